@@ -1,0 +1,63 @@
+# MOVE, reproduced. `make` alone prints the targets; `make figures` and `make test` do all the set-up themselves.
+PROFILE ?= laptop
+PYTHON ?= python3
+BIN := .venv/bin
+READY := .venv/ready
+CLUSTER_OPTION := $(if $(CLUSTER),--cluster $(CLUSTER))
+NOTEBOOKS := $(basename $(notdir $(wildcard notebooks/*.ipynb)))
+SHORT := $(foreach name,$(NOTEBOOKS),$(firstword $(subst _, ,$(name))))
+
+.DEFAULT_GOAL := help
+.PHONY: help setup figures test plan verify lab bench doctor lock clean $(NOTEBOOKS) $(SHORT)
+
+help:  ## print this list
+	@echo "usage: make TARGET [PROFILE=smoke|laptop|...] [CLUSTER=tcp://host:8786] [TORCH_INDEX=url]"
+	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  %-10s %s\n", $$1, $$2}'
+	@echo "  one figure or table: $(sort $(NOTEBOOKS))"
+
+setup: $(READY)  ## build .venv from environment.lock
+
+$(READY): environment.lock environment-cuda.lock pyproject.toml tools/install.py
+	@$(PYTHON) -c 'import sys; sys.exit(None if sys.version_info[:2] == (3, 11) else "make: Python 3.11 is needed; name it with make PYTHON=...")'
+	$(PYTHON) -m venv --clear .venv
+	$(BIN)/python tools/install.py
+	@$(BIN)/python -c 'import move.sim.observe as o; p = o.gl_problem(); p and print(p)'
+	@touch $@
+
+figures: $(READY)  ## run what is missing, then every notebook: all figures and tables
+	$(BIN)/move run --profile $(PROFILE) $(CLUSTER_OPTION)
+	$(BIN)/move figure --profile $(PROFILE)
+
+$(NOTEBOOKS): $(READY)
+	$(BIN)/move figure $@ --profile $(PROFILE)
+
+define short_name
+$(firstword $(subst _, ,$(1))): $(1)
+endef
+$(foreach name,$(NOTEBOOKS),$(if $(filter $(firstword $(subst _, ,$(name))),$(name)),,$(eval $(call short_name,$(name)))))
+
+test: $(READY)  ## run every test
+	$(BIN)/python -m ruff check move tests tools
+	$(BIN)/nbstripout --verify notebooks/*.ipynb
+	$(BIN)/python -m pytest -q -n 2
+
+plan: $(READY)  ## what would run, how long it takes, and why
+	$(BIN)/move plan --profile $(PROFILE)
+
+verify: $(READY)  ## recompute a random sample of the shipped results and compare
+	$(BIN)/move verify --profile $(PROFILE)
+
+lab: $(READY)  ## open the notebooks in JupyterLab
+	$(BIN)/jupyter lab notebooks
+
+bench: $(READY)  ## the speed figures, each against a reference measured in the same run
+	$(BIN)/python tools/bench.py
+
+doctor: $(READY)  ## what this machine has and lacks
+	$(BIN)/move doctor
+
+lock:  ## write the lock files anew from pyproject.toml (needs uv)
+	$(PYTHON) tools/lock.py
+
+clean:  ## remove build/ (not .venv, not results)
+	rm -rf build

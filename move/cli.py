@@ -1,0 +1,280 @@
+"""The command line: move collect | train | evaluate | run | plan | figure | doctor.
+
+Bad input ends with one line on standard error and exit code 2; a run that failed ends with exit code 1.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import Annotated, Any, Optional
+
+import typer
+from pydantic import BaseModel, ValidationError
+from rich.console import Console
+from rich.table import Table
+from typer._click.exceptions import ClickException  # typer's own copy of click, whose usage errors these are
+
+from move.errors import BadInput
+
+app = typer.Typer(add_completion=False, no_args_is_help=True, rich_markup_mode=None, pretty_exceptions_enable=False,
+                  help="MOVE, reproduced: collect demonstrations, train policies, evaluate them, rebuild the paper.")
+
+Json = Annotated[bool, typer.Option("--json", help="print JSON for machines instead of a table for people")]
+Seed = Annotated[int, typer.Option(min=0, help="decides every random number")]
+ProfileName = Annotated[str, typer.Option(help="a settings file under profiles/")]
+Figure = Annotated[Optional[list[str]], typer.Option("--figure", help="a figure; may be repeated (default: all)")]
+
+
+def show(content: dict[str, Any] | list[dict[str, Any]], as_json: bool, title: str) -> None:
+    """Print a record, or a list of records with the same keys, as JSON or as a table."""
+    if as_json:
+        return typer.echo(json.dumps(content, default=str))
+    table = Table(title=title, title_justify="left")
+    if isinstance(content, dict):
+        content = [{"what": key, "value": value} for key, value in content.items()]
+    for name in content[0] if content else ["nothing"]:
+        table.add_column(str(name))
+    for record in content:
+        table.add_row(*(f"{value:.4g}" if isinstance(value, float) else str(value) for value in record.values()))
+    Console(width=None if sys.stdout.isatty() else 140).print(table)
+
+
+def settings(model: type[BaseModel], **values: Any) -> Any:
+    """Build `model` from command-line values; what pydantic refuses becomes one line of BadInput."""
+    from move.study.profiles import first_problem
+
+    try:
+        return model(**values)
+    except ValidationError as error:
+        raise BadInput(first_problem(error)) from error
+
+
+def progress(label: str):
+    """A callable (done, total, ...) that draws a bar with the time left on standard error."""
+    from tqdm import tqdm
+
+    bar = tqdm(total=1, desc=label, file=sys.stderr, disable=not sys.stderr.isatty(), leave=False)
+
+    def update(done: int, total: int, *rest: float) -> None:
+        bar.total, bar.n = total, done
+        bar.refresh() if done == total else bar.update(0)
+
+    return update
+
+
+@app.command()
+def collect(
+    out: Annotated[Optional[Path], typer.Option(help="zarr folder to write (default: under build/data)")] = None,
+    task: Annotated[str, typer.Option(help="the task")] = "pick-place",
+    method: Annotated[str, typer.Option(help="static, adc or move")] = "move",
+    timesteps: Annotated[int, typer.Option(help="budget in steps of the environment")] = 2500,
+    observation: Annotated[str, typer.Option(help="keypoints or rgb")] = "keypoints",
+    image_size: Annotated[int, typer.Option(help="pixels along a side")] = 96,
+    factors: Annotated[str, typer.Option(help="what is random: object, object+target or all")] = "all",
+    protocol: Annotated[str, typer.Option(help="where it grasps: random, sparse, dense or circle")] = "random",
+    expert: Annotated[str, typer.Option(help="phase or metaworld")] = "phase",
+    seed: Seed = 0,
+    as_json: Json = False,
+) -> None:
+    """Collect demonstrations under an exact budget of timesteps."""
+    from move import paths
+    from move.learn import dataset
+    from move.sim import collect as collecting
+
+    chosen = settings(collecting.Collection, task=task, method=method, timesteps=timesteps, observation=observation,
+                      image_size=image_size, factors=factors, protocol=protocol, expert=expert)
+    path = out or paths.BUILD / "data" / f"{task}-{method}-{protocol}-{observation}-{timesteps}-{seed}.zarr"
+    demonstrations, record = collecting.collect(chosen, seed, progress("collect"))
+    attributes = collecting.record_attributes(chosen, seed, record)
+    dataset.save(demonstrations, path, attributes)
+    content = {"path": str(path), "task": task, "method": method, **attributes["record"]}
+    content["steps_per_second"] = record.attempts * record.mean_steps / record.seconds
+    if not as_json:
+        del content["grasp_points"]
+    show(content, as_json, "Demonstrations")
+
+
+@app.command()
+def train(
+    data: Annotated[Path, typer.Argument(help="zarr folder that `move collect` wrote")],
+    out: Annotated[Path, typer.Argument(help="folder for the checkpoint; training goes on from what it holds")],
+    profile: ProfileName = "laptop",
+    gradient_steps: Annotated[Optional[int], typer.Option(help="instead of the profile's")] = None,
+    seed: Seed = 0,
+    as_json: Json = False,
+) -> None:
+    """Train a diffusion policy on collected demonstrations."""
+    from move.learn import dataset
+    from move.learn import train as training
+    from move.learn.settings import Training
+    from move.study.profiles import load_profile
+
+    demonstrations, _ = dataset.load(data)
+    recipe = load_profile(profile).training["rgb" if demonstrations.has_images else "keypoints"].model_dump()
+    if gradient_steps is not None:
+        recipe |= {"gradient_steps": gradient_steps, "warmup_steps": min(recipe["warmup_steps"], gradient_steps // 2)}
+    _, report = training.train(demonstrations, settings(Training, **recipe), seed, checkpoint=out,
+                               on_step=progress("train"))
+    show({"checkpoint": str(out), "gradient_steps": recipe["gradient_steps"], "loss": report.curve[-1][1],
+          "seconds": report.seconds, "precision": report.precision, "parameters": report.parameters}, as_json, "Policy")
+
+
+@app.command()
+def evaluate(
+    checkpoint: Annotated[Optional[Path], typer.Argument(help="folder that `move train` wrote")] = None,
+    player: Annotated[str, typer.Option(help="policy, nothing, random or expert")] = "policy",
+    task: Annotated[str, typer.Option(help="the task")] = "pick-place",
+    layout: Annotated[str, typer.Option(help="random or grid")] = "random",
+    episodes: Annotated[int, typer.Option(help="number of random configurations")] = 100,
+    factors: Annotated[str, typer.Option(help="what is random: object, object+target or all")] = "all",
+    seed: Seed = 0,
+    as_json: Json = False,
+) -> None:
+    """Evaluate a policy, or a control, on the fixed configurations of a task."""
+    import numpy as np
+
+    from move.learn import evaluate as evaluating
+    from move.learn.train import load_policy
+    from move.sim.tasks import FACTORS, get_task
+    from move.study.statistics import success_rate
+
+    if factors not in FACTORS:
+        raise BadInput(f"factors: {factors!r} given; allowed are {', '.join(FACTORS)}")
+    plan = settings(evaluating.Evaluation, layout=layout, episodes=episodes, factors=factors)
+    controls = {"nothing": evaluating.Nothing, "random": lambda: evaluating.Random(seed),
+                "expert": lambda: evaluating.Expert("phase")}
+    if player not in ("policy", *controls):
+        raise BadInput(f"player: {player!r} given; allowed are policy, {', '.join(controls)}")
+    if player == "policy" and checkpoint is None:
+        raise BadInput("checkpoint: none given; a policy needs the folder that `move train` wrote")
+    policy = load_policy(checkpoint) if player == "policy" else None
+    who = evaluating.PolicyPlayer(policy, seed) if policy else controls[player]()
+    image = policy is not None and len(policy.observation_shape) == 3
+    rows = evaluating.evaluate(who, get_task(task), plan, "rgb" if image else "keypoints",
+                               policy.observation_shape[0] if image else 96, progress("evaluate"))
+    rate = success_rate(np.array([[row["success"] for row in rows]]))
+    content = {"player": player, "task": task, "episodes": len(rows), "success_rate": rate.value, "low": rate.low,
+               "high": rate.high, "mean_steps": float(np.mean([row["steps"] for row in rows]))}
+    show(content | ({"rows": rows} if as_json else {}), as_json, "Evaluation (95 % Wilson interval)")
+
+
+def chosen_specs(profile: str, figures: list[str] | None) -> dict[str, list]:
+    """The specs of the figures asked for, or of all, by figure."""
+    from move.study import experiments
+
+    return {figure: experiments.specs(figure, profile) for figure in figures or experiments.EXPERIMENTS}
+
+
+@app.command()
+def run(
+    profile: ProfileName = "laptop",
+    figure: Figure = None,
+    workers: Annotated[Optional[int], typer.Option(min=1, help="processes (default: one a core)")] = None,
+    cluster: Annotated[Optional[str], typer.Option(help="address of a Dask scheduler, tcp://host:8786")] = None,
+    results: Annotated[Optional[Path], typer.Option(help="results folder (default: the profile's)")] = None,
+    as_json: Json = False,
+) -> None:
+    """Compute the runs that are missing; what exists is reused, what was interrupted goes on."""
+    from move import paths
+    from move.study.execute import execute
+
+    specs = [spec for listed in chosen_specs(profile, figure).values() for spec in listed]
+    there, missing = execute(specs, results or paths.results(profile), cluster, workers, quiet=not sys.stderr.isatty())
+    problems = [{"hash": spec.hash, "run": spec.label, "why": why} for spec, why in missing]
+    if as_json:
+        show({"profile": profile, "stored": len(there), "missing": problems}, True, "")
+    else:
+        show({"profile": profile, "stored": len(there), "missing": len(problems)}, False, "Runs")
+        if problems:
+            show(problems, False, "Missing")
+    if problems:
+        raise typer.Exit(1)
+
+
+@app.command()
+def plan(profile: ProfileName = "laptop", figure: Figure = None, as_json: Json = False) -> None:
+    """Show what would run, how long it would take and why, without running anything."""
+    from move.study.plan import plan_rows
+
+    rows = plan_rows(profile, chosen_specs(profile, figure))
+    show(rows, as_json, f"Profile {profile}: what `move run` would do (core-minutes)")
+
+
+@app.command()
+def figure(
+    names: Annotated[Optional[list[str]], typer.Argument(help="notebooks under notebooks/ (default: all)")] = None,
+    profile: ProfileName = "laptop",
+    parameter: Annotated[Optional[list[str]], typer.Option("-p", help="name=value, over the profile's own")] = None,
+    as_json: Json = False,
+) -> None:
+    """Execute notebooks, which write their figures and tables."""
+    from move import paths
+    from move.report import notebooks
+
+    changes = dict(_assignment(text) for text in parameter or [])
+    for name in names or notebooks.names():  # all of them are checked before the first one runs
+        notebooks.notebook_parameters(name, profile, changes)
+    rows = []
+    for name in names or notebooks.names():
+        typer.echo(f"notebook {name} ({profile}) ...", err=True)
+        try:
+            executed = notebooks.run_notebook(name, profile, changes)
+        except notebooks.NotebookFailed as failure:
+            typer.echo(f"move: {failure}", err=True)
+            raise typer.Exit(1) from failure
+        rows.append({"notebook": name, "executed": str(executed), "written_to": str(paths.figures(profile))})
+    show(rows, as_json, "Notebooks")
+
+
+def _assignment(text: str) -> tuple[str, Any]:
+    """`name=value` with the value read as YAML reads it."""
+    import yaml
+
+    from move.study.profiles import refuse_text_numbers
+
+    name, equals, value = text.partition("=")
+    if not equals:
+        raise BadInput(f"-p {text!r}: allowed is name=value")
+    content = yaml.safe_load(value)
+    refuse_text_numbers(content, f"-p {name}")
+    return name, content
+
+
+@app.command()
+def doctor(as_json: Json = False) -> None:
+    """Say what is missing on this machine, and the one line that mends it."""
+    from move.study.doctor import examine
+
+    checks = examine()
+    show(checks, as_json, "This machine")
+    if any(check["outcome"] == "broken" for check in checks):
+        raise typer.Exit(1)
+
+
+def main() -> None:
+    """Run the command line; turn every kind of bad input into one line and exit code 2."""
+    try:
+        code = app(standalone_mode=False)
+    except BadInput as problem:
+        code = _refuse(str(problem))
+    except ClickException as problem:
+        code = _refuse(" ".join(problem.format_message().split()))
+    except (typer.Abort, KeyboardInterrupt):
+        code = _interrupted()
+    sys.exit(code if isinstance(code, int) else 0)
+
+
+def _refuse(line: str) -> int:
+    typer.echo(f"move: {line}", err=True)
+    return 2
+
+
+def _interrupted() -> int:
+    typer.echo("move: interrupted; the same command goes on from here", err=True)
+    return 130
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,10 @@
+"""From demonstrations to a policy.
+
+dataset.py     episodes on disk and windows of (observation, action)
+settings.py    every number that decides how a policy is built and trained
+encoders.py    one observation to features
+denoisers.py   noisy actions, diffusion time and features to a prediction
+diffusion.py   the Diffusion Policy: its loss and its DDIM sampler
+train.py       gradient steps, learning-rate schedule, averaged weights
+checkpoint.py  a training run on disk
+"""

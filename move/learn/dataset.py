@@ -1,0 +1,113 @@
+"""Episodes on disk and windows of (observation, action).
+
+All episodes lie behind one another in one array; `episode_ends[i]` is the timestep after the last one of
+episode i. Each timestep t gives one window, so that equal timesteps mean equal training data for every method.
+With an observation horizon of 2, a prediction horizon of 4 and an action horizon of 3:
+
+    timestep       t-1    t    t+1   t+2
+    observed        x     x
+    predicted       x     x     x     x
+    executed              x     x     x
+
+What would reach over the edge of an episode repeats its first or its last timestep.
+"""
+
+import json
+import os
+import shutil
+import uuid
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import zarr
+
+from move.errors import BadInput
+from move.sim.demonstrations import Demonstrations
+
+CHUNK_TIMESTEPS = 256
+BROKEN_STORE = (OSError, KeyError, ValueError, TypeError, RuntimeError)
+
+
+def window_indices(
+    episode_ends: np.ndarray, observation_horizon: int, prediction_horizon: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Timesteps that each window observes and predicts, one window a timestep.
+
+    Returns observation_index (timesteps, observation_horizon) and action_index (timesteps, prediction_horizon),
+    both int64; both begin observation_horizon - 1 timesteps before the window's own.
+
+    >>> observed, predicted = window_indices(np.array([4, 6]), 2, 4)
+    >>> observed.tolist()
+    [[0, 0], [0, 1], [1, 2], [2, 3], [4, 4], [4, 5]]
+    >>> predicted[3].tolist(), predicted[4].tolist()
+    ([2, 3, 3, 3], [4, 4, 5, 5])
+    """
+    lengths = np.diff(episode_ends, prepend=0)
+    first = np.repeat(episode_ends - lengths, lengths)[:, None]
+    last = np.repeat(episode_ends - 1, lengths)[:, None]
+    start = np.arange(len(first))[:, None] - (observation_horizon - 1)
+    observed = np.clip(start + np.arange(observation_horizon), first, last)
+    predicted = np.clip(start + np.arange(prediction_horizon), first, last)
+    return observed, predicted
+
+
+def save(demonstrations: Demonstrations, path: Path, attributes: dict[str, Any]) -> None:
+    """Write a zarr group in diffusion_policy's replay-buffer layout, or nothing at all.
+
+        data/img or data/keypoints    data/action    meta/episode_ends    attributes (JSON)
+
+    An older group at `path` is replaced. The group is zarr format 2, which diffusion_policy itself can read.
+    Raises BadInput if the attributes are not JSON.
+    """
+    try:
+        json.dumps(attributes)
+    except TypeError as error:
+        raise BadInput(f"attributes that JSON cannot hold: {error}") from None
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    beside = path.with_name(f".{path.name}.{uuid.uuid4().hex}")
+    try:
+        _write(demonstrations, beside, attributes)
+        if path.exists():
+            shutil.rmtree(path)
+        os.replace(beside, path)
+    finally:
+        shutil.rmtree(beside, ignore_errors=True)
+
+
+def _write(demonstrations: Demonstrations, path: Path, attributes: dict[str, Any]) -> None:
+    arrays = {
+        f"data/{'img' if demonstrations.has_images else 'keypoints'}": demonstrations.observations,
+        "data/action": demonstrations.actions,
+        "meta/episode_ends": demonstrations.episode_ends,
+    }
+    group = zarr.create_group(path, zarr_format=2, attributes=attributes)
+    for name, array in arrays.items():
+        chunks = (min(CHUNK_TIMESTEPS, len(array)), *array.shape[1:])
+        group.create_array(name, data=array, chunks=chunks, config={"write_empty_chunks": True})
+
+
+def load(path: Path) -> tuple[Demonstrations, dict[str, Any]]:
+    """Read what `save` wrote: the demonstrations and the attributes.
+
+    Raises BadInput if there is no such group, or if a part of it is missing or damaged.
+    """
+    path = Path(path)
+    if not path.exists():
+        raise BadInput(f"no demonstrations at {path}")
+    try:
+        group = zarr.open_group(path, mode="r")
+        observations = _read(group, "data/img" if "data/img" in group else "data/keypoints")
+        demonstrations = Demonstrations(observations, _read(group, "data/action"), _read(group, "meta/episode_ends"))
+        return demonstrations, dict(group.attrs)
+    except BROKEN_STORE as error:
+        reason = " ".join(str(error).split())
+        raise BadInput(f"cannot read demonstrations from {path}: {type(error).__name__}: {reason}") from error
+
+
+def _read(group: zarr.Group, name: str) -> np.ndarray:
+    array = group[name]
+    if array.nchunks_initialized != array.nchunks:  # zarr itself would fill the gap with zeros
+        raise BadInput(f"{name} has {array.nchunks_initialized} of its {array.nchunks} chunks")
+    return array[:]

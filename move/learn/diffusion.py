@@ -1,0 +1,180 @@
+"""The Diffusion Policy: from two observations to three actions by denoising.
+
+Training adds noise of a random strength t to the actions that the expert took (abar falls from 1 to 0 with t),
+
+    noisy = sqrt(abar_t) * actions + sqrt(1 - abar_t) * noise
+
+and the denoiser learns to say from `noisy`, t and the observations what the actions were (target "sample") or
+what the noise was (target "noise"). Acting starts from noise alone and takes DDIM steps down to t = 0 (paper,
+equation 5); the two targets take the same step, since either follows from the other:
+
+    x_{t-1} = sqrt(abar_{t-1}) * (x_t - sqrt(1 - abar_t) * eps) / sqrt(abar_t) + sqrt(1 - abar_{t-1}) * eps
+"""
+
+import numpy as np
+import torch
+from diffusers.schedulers.scheduling_ddim import DDIMScheduler
+from torch import Tensor, nn
+from torch.nn import functional as F
+
+from move.errors import BadInput
+from move.learn.denoisers import DENOISERS
+from move.learn.encoders import ENCODERS
+from move.learn.settings import Training
+from move.sim.demonstrations import Demonstrations
+
+PREDICTION_TYPE = {"sample": "sample", "noise": "epsilon"}
+CONSTANT_BELOW = 1e-3  # metres, or units of action: less than that in all the data is no movement
+
+
+def noise_schedule(training: Training) -> DDIMScheduler:
+    """Squared-cosine noise schedule with deterministic DDIM steps; predictions of actions clipped to [-1, 1]."""
+    schedule = DDIMScheduler(
+        num_train_timesteps=training.diffusion_steps,
+        beta_schedule="squaredcos_cap_v2",
+        clip_sample=True,
+        prediction_type=PREDICTION_TYPE[training.target],
+    )
+    schedule.set_timesteps(training.inference_steps)
+    return schedule
+
+
+class Limits(nn.Module):
+    """Maps each coordinate from its limits in the training data to [-1, 1], and back with `inverse`.
+
+    A coordinate that never changed is centred and keeps its unit, so that a new value stays a moderate number.
+    """
+
+    def __init__(self, size: int) -> None:
+        super().__init__()
+        self.register_buffer("scale", torch.ones(size))
+        self.register_buffer("offset", torch.zeros(size))
+
+    def fit(self, values: np.ndarray) -> None:
+        """Take the limits from values (timesteps, size) float32."""
+        low, high = torch.from_numpy(values.min(0)), torch.from_numpy(values.max(0))
+        extent = high - low
+        self.scale.copy_(torch.where(extent > CONSTANT_BELOW, 2 / extent.clamp(min=CONSTANT_BELOW), 1.0))
+        self.offset.copy_(-self.scale * (low + high) / 2)
+
+    def forward(self, values: Tensor) -> Tensor:
+        return torch.addcmul(self.offset, values, self.scale)
+
+    def inverse(self, values: Tensor) -> Tensor:
+        return (values - self.offset) / self.scale
+
+
+class Pixels(nn.Module):
+    """Images (N, H, W, 3) uint8 to (N, 3, H, W) in [-1, 1], in the precision that training runs in."""
+
+    def forward(self, images: Tensor) -> Tensor:
+        device = images.device.type
+        dtype = torch.get_autocast_dtype(device) if torch.is_autocast_enabled(device) else torch.float32
+        return images.permute(0, 3, 1, 2).to(dtype).div_(127.5).sub_(1)  # stays in channels-last order
+
+
+def crop(images: Tensor, pixels: int, generator: torch.Generator | None = None) -> Tensor:
+    """Square cut-outs of windows of images, one place a window: random with a generator, else the centre.
+
+    images (B, To, H, W, 3) -> (B, To, pixels, pixels, 3).
+    """
+    spare_y, spare_x = images.shape[2] - pixels, images.shape[3] - pixels
+    if generator is None:
+        y, x = spare_y // 2, spare_x // 2
+        return images[:, :, y:y + pixels, x:x + pixels]
+    ys = torch.randint(spare_y + 1, (len(images),), generator=generator).tolist()
+    xs = torch.randint(spare_x + 1, (len(images),), generator=generator).tolist()
+    return torch.stack([window[:, y:y + pixels, x:x + pixels] for window, y, x in zip(images, ys, xs, strict=False)])
+
+
+class DiffusionPolicy(nn.Module):
+    """Denoises actions under the condition of a few observations.
+
+    observation_shape: of one timestep, (coordinates,) for keypoints or (H, W, 3) for images.
+    Raises BadInput where it does not suit the encoder or the crop. The weights are drawn from torch's global
+    generator, which `move.learn.train.train` seeds.
+    """
+
+    def __init__(self, training: Training, observation_shape: tuple[int, ...], action_size: int) -> None:
+        super().__init__()
+        seen = _seen_shape(training, observation_shape)
+        self.training_settings, self.observation_shape, self.action_size = training, observation_shape, action_size
+        self.observation_limits = Limits(seen[0]) if len(seen) == 1 else Pixels()
+        self.action_limits = Limits(action_size)
+        self.encoder = ENCODERS[training.encoder](training, seen).to(memory_format=torch.channels_last)
+        condition_size = training.observation_horizon * self.encoder.features
+        self.denoiser = DENOISERS[training.denoiser](training, action_size, condition_size)
+        self.schedule = noise_schedule(training)
+
+    def fit_limits(self, demonstrations: Demonstrations) -> None:
+        """Take the limits of keypoints and actions from the training data."""
+        self.action_limits.fit(demonstrations.actions)
+        if not demonstrations.has_images:
+            self.observation_limits.fit(demonstrations.observations)
+
+    def loss(self, observations: Tensor, actions: Tensor, generator: torch.Generator) -> Tensor:
+        """Mean squared error of the denoiser at random noise levels, a scalar.
+
+        observations (B, To, coordinates) float32 or (B, To, H, W, 3) uint8, actions (B, Tp, action_size) float32.
+        The generator is a CPU one on every device, and gives crops, noise levels and noise in this order.
+        """
+        if self.training_settings.crop_pixels:
+            observations = crop(observations, self.training_settings.crop_pixels, generator)
+        time = torch.randint(self.training_settings.diffusion_steps, (len(actions),), generator=generator)
+        noise = torch.randn(actions.shape, generator=generator).to(actions.device)
+        clean = self.action_limits(actions)
+        noisy = self.schedule.add_noise(clean, noise, time)
+        predicted = self.denoiser(noisy, time.to(actions.device), self._condition(observations))
+        return F.mse_loss(predicted.float(), clean if self.training_settings.target == "sample" else noise)
+
+    @torch.no_grad()
+    def act(
+        self, observations: np.ndarray, generator: torch.Generator | None = None, noise: Tensor | None = None
+    ) -> np.ndarray:
+        """The actions to execute next, (B, action_horizon, action_size) float32 in [-1, 1], for B episodes at once.
+
+        observations (B, To, ...) as in `loss`. The noise (B, Tp, action_size) to start from is drawn from the CPU
+        generator, or given: then an episode's actions do not depend on which others are in the batch.
+        """
+        observed = torch.from_numpy(observations).to(self.action_limits.scale.device)
+        self._check_observed(observed)
+        if self.training_settings.crop_pixels:
+            observed = crop(observed, self.training_settings.crop_pixels)
+        if noise is None:
+            noise = torch.randn(self._predicted_shape(len(observed)), generator=generator)
+        actions = self._denoise(noise.to(observed.device), self._condition(observed))
+        executed = self.action_limits.inverse(actions[:, self.training_settings.executed])
+        return executed.clamp(-1, 1).cpu().numpy()
+
+    def _condition(self, observations: Tensor) -> Tensor:
+        """Features of all observations of a window side by side, (B, To * features)."""
+        each = self.encoder(self.observation_limits(observations.flatten(0, 1)))
+        return each.view(len(observations), -1)
+
+    def _denoise(self, actions: Tensor, condition: Tensor) -> Tensor:
+        for time in self.schedule.timesteps:
+            predicted = self.denoiser(actions, time.to(actions.device).expand(len(actions)), condition)
+            actions = self.schedule.step(predicted, time, actions).prev_sample
+        return actions
+
+    def _predicted_shape(self, batch: int) -> tuple[int, int, int]:
+        return batch, self.training_settings.prediction_horizon, self.action_size
+
+    def _check_observed(self, observed: Tensor) -> None:
+        expected = (self.training_settings.observation_horizon, *self.observation_shape)
+        if tuple(observed.shape[1:]) != expected:
+            raise BadInput(f"observations {tuple(observed.shape)}; this policy expects (batch, "
+                           f"{', '.join(map(str, expected))})")
+
+
+def _seen_shape(training: Training, observation_shape: tuple[int, ...]) -> tuple[int, ...]:
+    """Shape of what the encoder sees of one observation, after the crop."""
+    dimensions = 1 if training.encoder == "keypoints" else 3
+    if len(observation_shape) != dimensions:
+        raise BadInput(f"observations of shape {observation_shape} for encoder {training.encoder!r}; "
+                       f"it takes {'(coordinates,)' if dimensions == 1 else '(height, width, 3)'}")
+    if training.crop_pixels is None:
+        return observation_shape
+    if training.crop_pixels > min(observation_shape[:2]):
+        raise BadInput(f"crop_pixels {training.crop_pixels} from images of {observation_shape[:2]} pixels")
+    return training.crop_pixels, training.crop_pixels, observation_shape[2]

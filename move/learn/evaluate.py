@@ -1,0 +1,226 @@
+"""Evaluation: fixed configurations, all episodes stepped together, one row an episode.
+
+The configurations of a task and setting are the same for every method and seed, and come from a stream that no
+training uses. The policy looks at two timesteps and acts for three, batched over the episodes still running; pictures
+are drawn only for the timesteps it looks at.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Literal, Protocol
+
+import numpy as np
+import torch
+from pydantic import BaseModel, ConfigDict, Field
+
+from move.learn.diffusion import DiffusionPolicy
+from move.sim.configuration import SpatialConfiguration
+from move.sim.experts import make_expert
+from move.sim.protocols import circle_points, sparse_points
+from move.sim.scene import EPISODE_STEPS, SUCCESS_STEPS, Scene
+from move.sim.tasks import Task
+
+CONFIGURATION_STREAM = 2  # first word of the seed of the configurations
+PLAY_STREAM = 3  # first word of the seed of a player's own randomness
+TOGETHER = 160  # episodes stepped together at most
+
+
+class Evaluation(BaseModel):
+    """Which configurations a policy is tried on."""
+
+    model_config = ConfigDict(frozen=True, strict=True, extra="forbid")
+
+    layout: Literal["random", "grid"] = Field("random", description="random configurations, or a grid over the object")
+    episodes: int = Field(100, gt=0, description="number of random configurations")
+    grid_side: int = Field(12, gt=0, description="cells along a side of the grid")
+    factors: str = Field("all", description="what is random; a grid varies the object alone")
+    points: Literal["none", "sparse", "circle"] = Field("none", description="grasp points tried besides a grid")
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One configuration to be tried; `group` is "random", "grid" or "point"."""
+
+    group: str
+    configuration: SpatialConfiguration
+
+
+def trials(task: Task, evaluation: Evaluation) -> list[Trial]:
+    """The fixed list of configurations of a task and setting.
+
+    >>> from move.sim.tasks import get_task
+    >>> len(trials(get_task("pick-place"), Evaluation(layout="grid", points="sparse")))
+    153
+    """
+    if evaluation.layout == "random":
+        rng = np.random.default_rng([CONFIGURATION_STREAM, *task.name.encode()])
+        return [Trial("random", task.sample(rng, evaluation.factors)) for _ in range(evaluation.episodes)]
+    places = {"none": [], "sparse": sparse_points(task), "circle": circle_points(task)}[evaluation.points]
+    return [
+        Trial(group, replace(task.fixed, object_position=place))
+        for group, group_places in (("grid", grid(task, evaluation.grid_side)), ("point", places))
+        for place in group_places
+    ]
+
+
+def grid(task: Task, side: int) -> list[tuple[float, float, float]]:
+    """Centres of side x side equal cells over the object's range, x slowest (metres)."""
+    low, high = task.object_range.low, task.object_range.high
+    xs, ys = (low[axis] + (high[axis] - low[axis]) * (np.arange(side) + 0.5) / side for axis in (0, 1))
+    return [(float(x), float(y), low[2]) for x in xs for y in ys]
+
+
+class Player(Protocol):
+    """Whatever acts in an evaluation: a policy or a control.
+
+    `action_steps` actions are executed before it is asked again; `looks` says whether it needs observations.
+    """
+
+    action_steps: int
+    looks: bool
+
+    def start(self, scenes: list[Scene]) -> None:
+        """Begin with all episodes."""
+
+    def act(self, running: list[int], scenes: list[Scene], observations: np.ndarray | None) -> np.ndarray:
+        """Actions (len(running), action_steps, action_size) for the episodes whose numbers are in `running`."""
+
+
+class PolicyPlayer:
+    """A diffusion policy; an episode's noise does not depend on which others are still running."""
+
+    looks = True
+
+    def __init__(self, policy: DiffusionPolicy, seed: int) -> None:
+        self.policy, self.settings = policy, policy.training_settings
+        self.action_steps = self.settings.action_horizon
+        self.generator = torch.Generator().manual_seed(_play_seed(seed))
+
+    def start(self, scenes: list[Scene]) -> None:
+        """Remember how many episodes there are."""
+        self.shape = (len(scenes), self.settings.prediction_horizon, scenes[0].action_space.shape[0])
+
+    def act(self, running: list[int], scenes: list[Scene], observations: np.ndarray) -> np.ndarray:
+        """Denoise the actions of all running episodes in one batch."""
+        noise = torch.randn(self.shape, generator=self.generator)[running]
+        return self.policy.act(observations, noise=noise)
+
+
+class Nothing:
+    """The control that never moves."""
+
+    action_steps, looks = 1, False
+
+    def start(self, scenes: list[Scene]) -> None:
+        """Nothing to do."""
+
+    def act(self, running: list[int], scenes: list[Scene], observations: None) -> np.ndarray:
+        """Zeros."""
+        return np.zeros((len(running), 1, scenes[0].action_space.shape[0]), np.float32)
+
+
+class Random:
+    """The control that acts uniformly at random."""
+
+    action_steps, looks = 1, False
+
+    def __init__(self, seed: int) -> None:
+        self.rng = np.random.default_rng(_play_seed(seed))
+
+    def start(self, scenes: list[Scene]) -> None:
+        """Remember how many episodes there are."""
+        self.shape = (len(scenes), 1, scenes[0].action_space.shape[0])
+
+    def act(self, running: list[int], scenes: list[Scene], observations: None) -> np.ndarray:
+        """Uniform actions in [-1, 1]."""
+        return self.rng.uniform(-1, 1, self.shape).astype(np.float32)[running]
+
+
+class Expert:
+    """The ceiling: a scripted expert, one for each episode."""
+
+    action_steps, looks = 1, False
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+
+    def start(self, scenes: list[Scene]) -> None:
+        """Call one expert for each episode."""
+        self.experts = [make_expert(self.name, scene.task) for scene in scenes]
+
+    def act(self, running: list[int], scenes: list[Scene], observations: None) -> np.ndarray:
+        """What the experts would do."""
+        return np.stack([self.experts[number].action(scenes[number])[None] for number in running])
+
+
+def _play_seed(seed: int) -> int:
+    return int(np.random.SeedSequence([PLAY_STREAM, seed]).generate_state(1)[0])
+
+
+def evaluate(
+    player: Player,
+    task: Task,
+    evaluation: Evaluation,
+    observation: str = "keypoints",
+    image_size: int = 96,
+    on_step: Callable[[int, int], None] | None = None,
+    together: int = TOGETHER,
+) -> list[dict]:
+    """Try `player` once on each configuration: at most 200 steps, ended by the tenth successful one.
+
+    Args:
+        on_step: called with (episodes ended, episodes in all).
+        together: how many episodes are stepped together.
+
+    Returns:
+        One row an episode: trial (number), group, object_x and object_y (metres), success (at least one successful
+        step, Meta-World's rule), success_steps (10 is the authors' rule for a demonstration), steps.
+    """
+    listed, rows = trials(task, evaluation), []
+    for first in range(0, len(listed), together):
+        def ended(episodes: int, first: int = first) -> None:
+            if on_step:
+                on_step(first + episodes, len(listed))
+
+        rows += _play(player, task, listed[first : first + together], first, observation, image_size, ended)
+    return rows
+
+
+def _play(
+    player: Player, task: Task, batch: list[Trial], first: int, observation: str, image_size: int,
+    on_ended: Callable[[int], None],
+) -> list[dict]:
+    scenes = [Scene(task, observation if player.looks else "keypoints", image_size) for _ in batch]
+    seen = [scene.reset(options={"configuration": trial.configuration})[0]
+            for scene, trial in zip(scenes, batch, strict=True)]
+    windows = [[frame, frame] for frame in seen]
+    successes, running = [0] * len(batch), list(range(len(batch)))
+    player.start(scenes)
+    while running:
+        observations = np.stack([np.stack(windows[number]) for number in running]) if player.looks else None
+        for number, actions in zip(running, player.act(running, scenes, observations), strict=True):
+            successes[number] += _execute(scenes[number], actions, successes[number], windows[number], player.looks)
+        running = [n for n in running if scenes[n].steps < EPISODE_STEPS and successes[n] < SUCCESS_STEPS]
+        on_ended(len(batch) - len(running))
+    return [_row(first + number, trial, scenes[number], successes[number]) for number, trial in enumerate(batch)]
+
+
+def _execute(scene: Scene, actions: np.ndarray, successes: int, window: list[np.ndarray], looks: bool) -> int:
+    """Execute one decision; keep the last two observations in `window`; return how many steps succeeded."""
+    gained = 0
+    for index, action in enumerate(actions):
+        if scene.steps >= EPISODE_STEPS or successes + gained >= SUCCESS_STEPS:
+            break
+        scene.advance(action)
+        gained += scene.success
+        if looks and index >= len(actions) - 2:
+            window[:] = [window[1], scene.observe()]
+    return gained
+
+
+def _row(number: int, trial: Trial, scene: Scene, successes: int) -> dict:
+    x, y, _ = trial.configuration.object_position
+    return {"trial": number, "group": trial.group, "object_x": x, "object_y": y, "success": successes > 0,
+            "success_steps": successes, "steps": scene.steps}

@@ -1,0 +1,239 @@
+"""Gradient steps: batches, learning rate, AdamW, averaged weights, and going on after an interruption.
+
+Batch order, crops, noise levels and noise are a pure function of (seed, step). On the CPU in float32, training
+that stopped and went on from its checkpoint therefore ends with the same bits as training straight through.
+"""
+
+import ctypes
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from move.errors import BadInput
+from move.learn import checkpoint as checkpoints
+from move.learn.checkpoint import Checkpoint, load_policy
+from move.learn.dataset import window_indices
+from move.learn.diffusion import DiffusionPolicy
+from move.learn.settings import Training
+from move.sim.demonstrations import Demonstrations
+
+__all__ = ["Training", "TrainingReport", "train", "load_policy"]
+
+CURVE_POINTS = 50
+M_TRIM_THRESHOLD, M_MMAP_MAX = -1, -4  # of glibc's malloc.h
+OnStep = Callable[[int, int, float], None]
+
+
+@dataclass(frozen=True)
+class TrainingReport:
+    """What training did.
+
+    curve: about 50 pairs (gradient steps done, mean loss since the pair before).
+    seconds: of training, over all parts if it was interrupted. precision: the one really used.
+    parameters: numbers that training fits.
+    """
+
+    curve: tuple[tuple[int, float], ...]
+    seconds: float
+    precision: str
+    parameters: int
+
+
+def step_generator(seed: int, step: int) -> torch.Generator:
+    """The randomness of one gradient step, a CPU generator; step -1 draws the initial weights."""
+    (mixed,) = np.random.SeedSequence([seed, step + 1]).generate_state(1, np.uint64)
+    return torch.Generator().manual_seed(int(mixed))
+
+
+def learning_rate(training: Training, step: int) -> float:
+    """Linear warm-up, then a half cosine down to 0 after the last step.
+
+    >>> settings = Training.keypoints(gradient_steps=100, warmup_steps=10, learning_rate=1.0)
+    >>> [round(learning_rate(settings, step), 3) for step in (0, 4, 9, 10, 55, 99)]
+    [0.1, 0.5, 1.0, 1.0, 0.5, 0.0]
+    """
+    if step < training.warmup_steps:
+        return training.learning_rate * (step + 1) / training.warmup_steps
+    done = (step - training.warmup_steps) / (training.gradient_steps - training.warmup_steps)
+    return training.learning_rate * 0.5 * (1 + math.cos(math.pi * done))
+
+
+def average_decay(training: Training, averaged_steps: int) -> float:
+    """How much of the averaged weights stays in their next move: 1 - (1 + steps)^-power, capped.
+
+    >>> settings = Training.keypoints()
+    >>> [round(average_decay(settings, steps), 3) for steps in (0, 1, 15, 100_000)]
+    [0.0, 0.405, 0.875, 0.999]
+    """
+    return min(training.ema_decay, 1 - (1 + averaged_steps) ** -training.ema_power)
+
+
+def precision_used(wanted: str, device: str = "cpu") -> str:
+    """bfloat16 only if it is wanted and the processor multiplies it itself; else float32."""
+    if device == "cpu":
+        able = torch.cpu.get_capabilities()
+        native = able.get("avx512_bf16", False) or able.get("amx_bf16", False)
+    else:
+        native = torch.cuda.is_bf16_supported(including_emulation=False)
+    return "bfloat16" if wanted == "bfloat16" and native else "float32"
+
+
+def keep_freed_memory() -> None:
+    """Ask glibc to hold on to what tensors free: else each step fetches it anew, a quarter of the time with images."""
+    try:
+        library = ctypes.CDLL(None)
+        library.mallopt(M_MMAP_MAX, 0)
+        library.mallopt(M_TRIM_THRESHOLD, 2**31 - 1)
+    except (OSError, AttributeError, TypeError):  # another C library: slower, nothing else
+        return
+
+
+class Batches:
+    """The windows of the demonstrations as tensors; a batch is drawn with replacement."""
+
+    def __init__(self, demonstrations: Demonstrations, training: Training, device: str) -> None:
+        observed, predicted = window_indices(
+            demonstrations.episode_ends, training.observation_horizon, training.prediction_horizon
+        )
+        self.observations = torch.from_numpy(demonstrations.observations).to(device)
+        self.actions = torch.from_numpy(demonstrations.actions).to(device)
+        self.observed, self.predicted = torch.from_numpy(observed).to(device), torch.from_numpy(predicted).to(device)
+        self.size = training.batch_size
+
+    def draw(self, generator: torch.Generator) -> tuple[Tensor, Tensor]:
+        """Observations (B, To, ...) and actions (B, Tp, action_size) of random windows."""
+        chosen = torch.randint(len(self.observed), (self.size,), generator=generator).to(self.observed.device)
+        return _select(self.observations, self.observed[chosen]), _select(self.actions, self.predicted[chosen])
+
+
+def _select(rows: Tensor, index: Tensor) -> Tensor:
+    """rows[index], forty times faster for images."""
+    return rows.index_select(0, index.flatten()).unflatten(0, index.shape)
+
+
+class Trainer:
+    """The state of a training run: policy, averaged policy, AdamW's moments, step and losses."""
+
+    def __init__(self, demonstrations: Demonstrations, training: Training, seed: int, device: str) -> None:
+        self.training, self.seed, self.device = training, seed, device
+        self.step, self.averaged_steps, self.seconds = 0, 0, 0.0
+        self.precision = precision_used(training.precision, device)
+        self.batches = Batches(demonstrations, training, device)
+        self.policy, self.averaged = self._new_policy(demonstrations), self._new_policy(demonstrations)
+        self.weights, self.averaged_weights = list(self.policy.parameters()), list(self.averaged.parameters())
+        self.averaged.eval().requires_grad_(False)
+        self.losses = torch.zeros(training.gradient_steps)
+        self.adam = torch.optim.AdamW(
+            self.weights, lr=0.0, betas=(training.beta1, training.beta2), weight_decay=training.weight_decay, fused=True
+        )
+
+    def _new_policy(self, demonstrations: Demonstrations) -> DiffusionPolicy:
+        observation_shape, action_size = demonstrations.observations.shape[1:], demonstrations.actions.shape[1]
+        with torch.random.fork_rng(devices=[]):
+            torch.manual_seed(step_generator(self.seed, -1).initial_seed())
+            policy = DiffusionPolicy(self.training, observation_shape, action_size)
+        policy.fit_limits(demonstrations)
+        return policy.to(self.device)
+
+    def take_step(self) -> float:
+        """One gradient step; returns its loss."""
+        generator = step_generator(self.seed, self.step)
+        with torch.autocast(self.device, torch.bfloat16, enabled=self.precision == "bfloat16"):
+            loss = self.policy.loss(*self.batches.draw(generator), generator)
+        self.adam.zero_grad()
+        loss.backward()
+        self.adam.param_groups[0]["lr"] = learning_rate(self.training, self.step)
+        self.adam.step()
+        with torch.no_grad():
+            keep = average_decay(self.training, self.averaged_steps)
+            torch._foreach_lerp_(self.averaged_weights, self.weights, 1 - keep)
+        value = self.losses[self.step] = loss.item()
+        self.step, self.averaged_steps = self.step + 1, self.averaged_steps + 1
+        return value
+
+    def checkpoint(self) -> Checkpoint:
+        """What `resume` needs; once finished, only what acting and reporting need."""
+        tensors = {f"averaged/{name}": tensor for name, tensor in self.averaged.state_dict().items()}
+        tensors["losses"] = self.losses[:self.step]
+        if self.step < self.training.gradient_steps:
+            tensors |= {f"network/{name}": tensor for name, tensor in self.policy.state_dict().items()}
+            for i, moments in self.adam.state_dict()["state"].items():
+                tensors |= {f"adam/{i}/{name}": tensor for name, tensor in moments.items()}
+        return Checkpoint(
+            self.training, self.seed, tuple(self.policy.observation_shape), self.policy.action_size, self.step,
+            self.averaged_steps, self.seconds, self.precision, {k: v.contiguous() for k, v in tensors.items()},
+        )
+
+    def resume(self, saved: Checkpoint) -> None:
+        """Go back to where a checkpoint of this same run was made."""
+        self._check_same_run(saved)
+        self.step, self.averaged_steps, self.seconds = saved.step, saved.averaged_steps, saved.seconds
+        self.precision = saved.precision if saved.finished else self.precision
+        self.averaged.load_state_dict(saved.group("averaged"))
+        self.losses[:saved.step] = saved.tensors["losses"]
+        if not saved.finished:
+            self.policy.load_state_dict(saved.group("network"))
+            moments = {i: _in_order_of(weight, saved.group(f"adam/{i}")) for i, weight in enumerate(self.weights)}
+            self.adam.load_state_dict(self.adam.state_dict() | {"state": moments})
+
+    def _check_same_run(self, saved: Checkpoint) -> None:
+        here = {**self.training.model_dump(), "seed": self.seed,
+                "observation_shape": tuple(self.policy.observation_shape), "action_size": self.policy.action_size}
+        there = {**saved.training.model_dump(), "seed": saved.seed,
+                 "observation_shape": saved.observation_shape, "action_size": saved.action_size}
+        differing = [f"{name} {there[name]} there, {here[name]} here" for name in here if here[name] != there[name]]
+        if differing:
+            raise BadInput(f"the checkpoint belongs to another run: {'; '.join(differing)}")
+
+    def report(self) -> TrainingReport:
+        """Loss curve, seconds, precision and size."""
+        parts = np.array_split(self.losses[:self.step].numpy(), min(CURVE_POINTS, self.step))
+        ends = np.cumsum([len(part) for part in parts])
+        curve = tuple((int(end), float(part.mean())) for end, part in zip(ends, parts, strict=False))
+        return TrainingReport(curve, self.seconds, self.precision, sum(weight.numel() for weight in self.weights))
+
+
+def _in_order_of(weight: Tensor, moments: dict[str, Tensor]) -> dict[str, Tensor]:
+    """AdamW's moments in the weight's memory order (channels-last for images), which its fused kernel relies on."""
+    return {
+        name: torch.empty_like(weight, requires_grad=False).copy_(moment) if name != "step" else moment
+        for name, moment in moments.items()
+    }
+
+
+def train(
+    demonstrations: Demonstrations,
+    training: Training,
+    seed: int,
+    checkpoint: Path | None = None,
+    checkpoint_every: int = 500,
+    on_step: OnStep | None = None,
+    device: str = "cpu",
+) -> tuple[DiffusionPolicy, TrainingReport]:
+    """Train a policy; return it with averaged weights, and what training did.
+
+    checkpoint: a folder, written every `checkpoint_every` gradient steps and at the end. If it holds this run,
+    training goes on from there; if that is finished, it is returned. on_step(steps done, steps in all, loss) is
+    called after each step. Raises BadInput if the folder holds another run or a damaged one, or if the
+    observations do not suit the settings.
+    """
+    keep_freed_memory()
+    saved = checkpoints.read(checkpoint, device) if checkpoint else None
+    trainer = Trainer(demonstrations, training, seed, device)
+    if saved:
+        trainer.resume(saved)
+    started = time.perf_counter() - trainer.seconds
+    while trainer.step < training.gradient_steps:
+        loss = trainer.take_step()
+        trainer.seconds = time.perf_counter() - started
+        if checkpoint and (trainer.step % checkpoint_every == 0 or trainer.step == training.gradient_steps):
+            checkpoints.write(trainer.checkpoint(), Path(checkpoint))
+        if on_step:
+            on_step(trainer.step, training.gradient_steps, loss)
+    return trainer.averaged, trainer.report()

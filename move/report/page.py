@@ -1,0 +1,59 @@
+"""What every notebook does around its picture: gather the runs, say where the numbers come from, write the files."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import pandas as pd
+from matplotlib.figure import Figure
+
+from move import paths
+from move.report import notebooks, style
+from move.study.execute import execute
+from move.study.profiles import load_profile
+from move.study.results import Result, table
+from move.study.spec import RunSpec
+
+
+@dataclass(frozen=True)
+class Gathered:
+    """The runs of one figure: what is stored, as results and as episodes, and what is missing."""
+
+    profile: str
+    results: list[Result]
+    episodes: pd.DataFrame
+    missing: list[tuple[RunSpec, str]]
+
+    @property
+    def source(self) -> str:
+        """One line on observation, budget, seeds, missing runs and the profile's purpose."""
+        made = [result.spec for result in self.results if result.spec.collection]
+        seen = sorted({f"{s.collection.observation}"
+                       + (f" {s.collection.image_size} px" if s.observation == "rgb" else "") for s in made})
+        budgets = sorted({s.collection.timesteps for s in made})
+        seeds = len({s.seed for s in made})
+        minutes = sum(sum(result.seconds.values()) for result in self.results) / 60
+        missing = f"; {len(self.missing)} RUNS MISSING" if self.missing else ""
+        made_of = f"{', '.join(seen)}; {', '.join(f'{b:,}' for b in budgets)} timesteps"
+        return (f"{made_of}; {seeds} seed{'s' * (seeds != 1)}; "
+                f"{len(self.results)} runs, {minutes:.0f} core-minutes{missing}. {load_profile(self.profile).purpose}")
+
+
+def gather(specs: list[RunSpec], profile: str) -> Gathered:
+    """Compute what is missing of `specs`, and return all there is."""
+    style.use_style()
+    there, missing = execute(specs, paths.results(profile))
+    return Gathered(profile, there, table(there), missing)
+
+
+def publish(name: str, figure: Figure | None, tables: dict[str, pd.DataFrame], gathered: Gathered) -> None:
+    """Write the figure (PDF, PNG) and the tables (CSV, LaTeX) of a notebook, and mark it as finished."""
+    folder = paths.figures(gathered.profile)
+    if figure is not None:
+        style.footnote(figure, gathered.source)
+        if gathered.profile == "smoke":
+            figure.text(0.5, 0.5, "SMOKE", fontsize=60, color="red", alpha=0.15, ha="center", va="center", rotation=20)
+        style.save(figure, name, folder)
+    for suffix, content in tables.items():
+        style.save_table(content, name if suffix == "" else f"{name}_{suffix}", folder)
+    notebooks.finished()

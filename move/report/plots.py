@@ -1,0 +1,73 @@
+"""Plot functions: a tidy DataFrame and an Axes in, marks on the Axes out; nothing is read from disk."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.collections import QuadMesh
+
+from move.report.style import COLOURS, NAMES
+
+
+def heatmap(episodes: pd.DataFrame, ax: Axes) -> QuadMesh:
+    """Success rate over the object's place: one cell a grid configuration, the mean of all seeds.
+
+    Args:
+        episodes: rows with object_x, object_y (metres), success and group; group "point" marks grasp points.
+    """
+    cells = episodes[episodes.group == "grid"].pivot_table("success", "object_y", "object_x", aggfunc="mean")
+    edges = [_edges(axis.to_numpy() * 100) for axis in (cells.columns, cells.index)]
+    mesh = ax.pcolormesh(*edges, cells.to_numpy(dtype=float), cmap="cividis", vmin=0, vmax=1, edgecolor="white",
+                         linewidth=0.2)
+    points = episodes[episodes.group == "point"].groupby(["object_x", "object_y"], as_index=False).success.mean()
+    ax.scatter(points.object_x * 100, points.object_y * 100, c=points.success, cmap="cividis", vmin=0, vmax=1, s=22,
+               edgecolor="white", linewidth=1.0, zorder=3)
+    ax.set(xlabel="object x (cm)", ylabel="object y (cm)", aspect="equal")
+    return mesh
+
+
+def _edges(centres: np.ndarray) -> np.ndarray:
+    half = (centres[1] - centres[0]) / 2 if len(centres) > 1 else 1.0
+    return np.append(centres - half, centres[-1] + half)
+
+
+def rates(table: pd.DataFrame, ax: Axes) -> None:
+    """Success rates side by side, one a row of `table`, with intervals, single seeds and the paper's value.
+
+    Args:
+        table: method, value, low, high, seeds (list of single seeds' rates), paper (NaN where it gives none).
+    """
+    for place, row in enumerate(table.itertuples()):
+        colour = COLOURS[row.method]
+        ax.bar(place, row.value, width=0.62, color=colour, alpha=0.85)
+        ax.errorbar(place, row.value, [[row.value - row.low], [row.high - row.value]], color="black", capsize=3, lw=1)
+        ax.scatter(np.full(len(row.seeds), place) + 0.2, row.seeds, s=9, color="white", edgecolor="black", lw=0.6,
+                   zorder=4)
+        ax.plot([place - 0.4, place + 0.4], [row.paper, row.paper], color="black", ls=":", lw=1.4)
+    ax.set_xticks(range(len(table)), [NAMES[name] for name in table.method])
+    ax.set(ylabel="success rate", ylim=(0, 1), xlim=(-0.6, len(table) - 0.4))
+
+
+def scaling(table: pd.DataFrame, ax: Axes) -> None:
+    """Success rate against timesteps, one line a method, with a band for the 95 % interval.
+
+    Args:
+        table: method, timesteps, value, low, high.
+    """
+    for method, rows in table.groupby("method", sort=False):
+        rows = rows.sort_values("timesteps")
+        ax.plot(rows.timesteps, rows.value, "o-", color=COLOURS[method], label=NAMES[method], ms=3.5, lw=1.4)
+        ax.fill_between(rows.timesteps, rows.low, rows.high, color=COLOURS[method], alpha=0.18, lw=0)
+    ticks = sorted(table.timesteps.unique())
+    ax.set_xscale("log")
+    ax.set_xticks(ticks, [f"{tick:,}" for tick in ticks])
+    ax.minorticks_off()
+    ax.set(xlabel="timesteps of demonstrations", ylabel="success rate", ylim=(0, 1.02))
+
+
+def level(value: float, label: str, ax: Axes, style: str = "--") -> None:
+    """A labelled horizontal line: a floor, a ceiling or a value of the paper."""
+    ax.axhline(value, color="#666666", lw=0.9, ls=style)
+    ax.annotate(label, (1, value), xycoords=("axes fraction", "data"), xytext=(-2, 2), textcoords="offset points",
+                ha="right", fontsize=6, color="#444444")

@@ -1,0 +1,58 @@
+"""How every picture looks: colours, sizes, file formats, and the line that says where its numbers come from."""
+
+from __future__ import annotations
+
+import textwrap
+from pathlib import Path
+
+import matplotlib as mpl
+import pandas as pd
+import seaborn as sns
+from matplotlib.figure import Figure
+
+COLOURS = {  # safe for colour-blind readers (Okabe and Ito); the same three methods everywhere
+    "static": "#0072B2",
+    "adc": "#E69F00",
+    "move": "#D55E00",
+    "nothing": "#999999",
+    "random": "#999999",
+    "expert": "#000000",
+}
+NAMES = {"static": "static", "adc": "ADC", "move": "MOVE", "nothing": "do nothing", "random": "random actions",
+         "expert": "expert"}
+COLUMN_WIDTH = 3.5  # inches, one column of a two-column page
+PAGE_WIDTH = 7.2  # inches
+
+
+def use_style() -> None:
+    """Set matplotlib up for a two-column PDF; the same bytes every time a figure is written."""
+    sns.set_theme(style="ticks", context="paper", rc={
+        "font.size": 8, "axes.titlesize": 8.5, "axes.labelsize": 8, "legend.fontsize": 7, "xtick.labelsize": 7,
+        "ytick.labelsize": 7, "axes.spines.top": False, "axes.spines.right": False, "figure.dpi": 150,
+        "savefig.dpi": 200, "pdf.fonttype": 42, "svg.hashsalt": "move", "legend.frameon": False,
+        "figure.constrained_layout.use": True,
+    })
+    mpl.rcParams["axes.formatter.use_mathtext"] = True
+
+
+def footnote(figure: Figure, text: str) -> None:
+    """Write small print under the figure: observation, budget, seeds, and what the profile is for."""
+    wrapped = textwrap.fill(text, int(figure.get_figwidth() * 26))
+    figure.supxlabel(wrapped, fontsize=5.5, color="#555555", x=0.01, ha="left")
+
+
+def save(figure: Figure, name: str, folder: Path) -> None:
+    """Write `name`.pdf and `name`.png into `folder`."""
+    folder.mkdir(parents=True, exist_ok=True)
+    figure.savefig(folder / f"{name}.pdf", metadata={"CreationDate": None, "ModDate": None})
+    figure.savefig(folder / f"{name}.png", metadata={"Software": None})
+
+
+def save_table(table: pd.DataFrame, name: str, folder: Path) -> None:
+    """Write `name`.csv and `name`.tex into `folder`."""
+    folder.mkdir(parents=True, exist_ok=True)
+    table.to_csv(folder / f"{name}.csv", float_format="%.4f", index=table.index.name is not None)
+    styled = table.style.format(precision=3, escape="latex", na_rep="--")
+    if table.index.name is None:
+        styled = styled.hide(axis="index")
+    (folder / f"{name}.tex").write_text(styled.to_latex(hrules=True))

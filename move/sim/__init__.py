@@ -1,0 +1,1 @@
+"""A scene that moves: tasks, motions, camera, observations, experts and the collection of demonstrations."""

@@ -1,0 +1,194 @@
+"""Demonstrations of a scripted expert by static collection, ADC or MOVE, under an exact budget of timesteps.
+
+The budget counts timesteps, not episodes, and the last demonstration is cut where the budget ends. Training makes one
+window a timestep, so every method gives the same number of training windows. A demonstration that fails is discarded
+and counted; attempt k of a seed starts from the same configuration whatever the method.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import asdict, dataclass, replace
+from typing import Literal
+
+import gymnasium
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, field_validator
+
+from move.errors import BadInput
+from move.sim.configuration import Vector
+from move.sim.demonstrations import Demonstrations
+from move.sim.experts import Expert, make_expert
+from move.sim.moving import Jumps, Motions, with_motions
+from move.sim.protocols import grasp_point, motion_region
+from move.sim.scene import EPISODE_STEPS, SUCCESS_STEPS, Scene
+from move.sim.tasks import FACTORS, TASKS, get_task
+
+METHODS = ("static", "adc", "move")
+STREAM = 1  # first word of every collection seed: no other part of the package draws from it
+GRASP_TOLERANCE = 0.002  # metres between the prescribed grasp point and where the object stood when grasped
+PATIENCE = 50  # failed attempts in a row after which a collection is given up
+
+
+class Collection(BaseModel):
+    """Everything that decides a data set, but for the seed."""
+
+    model_config = ConfigDict(frozen=True, strict=True, extra="forbid")
+
+    task: str = Field(description="a name in move.sim.tasks.TASKS")
+    method: Literal["static", "adc", "move"] = Field(description="how it is collected")
+    timesteps: int = Field(gt=0, description="the budget, in steps of the environment")
+    observation: Literal["keypoints", "rgb"] = "keypoints"
+    image_size: int = Field(96, ge=16, le=512, description="pixels along a side")
+    factors: str = Field("all", description="what is random: a name in move.sim.tasks.FACTORS")
+    protocol: Literal["random", "sparse", "dense", "circle"] = Field("random", description="where it grasps")
+    expert: Literal["phase", "metaworld"] = Field("phase", description="who demonstrates")
+    motions: Motions = Motions()
+
+    @field_validator("task")
+    @classmethod
+    def _known_task(cls, name: str) -> str:
+        if name not in TASKS:
+            raise ValueError(f"allowed are {', '.join(TASKS)}")
+        return name
+
+    @field_validator("factors")
+    @classmethod
+    def _known_factors(cls, name: str) -> str:
+        if name not in FACTORS:
+            raise ValueError(f"allowed are {', '.join(FACTORS)}")
+        return name
+
+
+@dataclass(frozen=True)
+class CollectionRecord:
+    """What a collection cost: kept next to the data.
+
+    `mean_steps` is over whole demonstrations, before the last is cut; `generation_rate` is kept over attempted.
+    """
+
+    attempts: int
+    demonstrations: int
+    timesteps: int
+    mean_steps: float
+    generation_rate: float
+    grasp_points: list[tuple[float, float]]  # metres, where each kept demonstration grasped the object
+    seconds: float
+
+
+@dataclass(frozen=True)
+class Episode:
+    """One attempt: what was observed and done, whether it succeeded, where the object stood when grasped (metres)."""
+
+    observations: list[np.ndarray]
+    actions: list[np.ndarray]
+    succeeded: bool
+    grasped_at: Vector | None
+
+
+def collecting_env(collection: Collection) -> gymnasium.Env:
+    """The scene with what its method moves around it."""
+    task = get_task(collection.task)
+    scene = Scene(task, collection.observation, collection.image_size)
+    if collection.method == "static":
+        return scene
+    if collection.method == "adc":
+        return Jumps(scene, target="target" in FACTORS[collection.factors])
+    arrive = collection.protocol != "random"
+    return with_motions(scene, collection.motions, collection.factors, motion_region(collection.protocol, task), arrive)
+
+
+def attempt_seed(seed: int, attempt: int) -> int:
+    """The scene's seed for one attempt of a collection."""
+    return int(np.random.SeedSequence([STREAM, seed, attempt]).generate_state(1)[0])
+
+
+def demonstrate(env: gymnasium.Env, expert: Expert, seed: int, options: dict) -> Episode:
+    """Let `expert` try the task once: at most 200 steps, ended by the tenth successful one."""
+    scene: Scene = env.unwrapped
+    observation, _ = env.reset(seed=seed, options=options)
+    expert.reset()
+    observations, actions, successes, grasped_at = [], [], 0, None
+    while len(actions) < EPISODE_STEPS and successes < SUCCESS_STEPS:
+        observations.append(observation)
+        actions.append(expert.action(scene))
+        observation, _, _, _, info = env.step(actions[-1])
+        successes += info["success"]
+        if grasped_at is None and info["phase"] == "place":
+            grasped_at = scene.configuration.object_position
+    return Episode(observations, actions, successes >= SUCCESS_STEPS, grasped_at)
+
+
+def attempts(collection: Collection, seed: int) -> Iterator[Episode]:
+    """Endless attempts; one that grasps away from its prescribed point counts as failed."""
+    env, task = collecting_env(collection), get_task(collection.task)
+    expert = make_expert(collection.expert, task)
+    attempt = kept = 0
+    while True:
+        this_seed, options = attempt_seed(seed, attempt), {"factors": collection.factors}
+        point = grasp_point(collection.protocol, task, kept, seed)
+        if point is not None:
+            options = {"configuration": replace(task.fixed, object_position=point)}
+        episode = demonstrate(env, expert, this_seed, options)
+        if point is not None and not _grasped_there(episode, point):
+            episode = replace(episode, succeeded=False)
+        kept += episode.succeeded
+        attempt += 1
+        yield episode
+
+
+def _grasped_there(episode: Episode, point: Vector) -> bool:
+    at = episode.grasped_at
+    return at is not None and np.hypot(at[0] - point[0], at[1] - point[1]) <= GRASP_TOLERANCE
+
+
+def collect(
+    collection: Collection, seed: int, on_step: Callable[[int, int], None] | None = None
+) -> tuple[Demonstrations, CollectionRecord]:
+    """Collect demonstrations until the budget is full.
+
+    Args:
+        collection: what to collect.
+        seed: with the collection it decides every byte.
+        on_step: called with (timesteps so far, budget) after each demonstration.
+
+    Raises:
+        BadInput: fifty failed attempts in a row.
+    """
+    started, episodes, tried, total, failed_in_a_row = time.perf_counter(), [], 0, 0, 0
+    for episode in attempts(collection, seed):
+        tried += 1
+        failed_in_a_row = 0 if episode.succeeded else failed_in_a_row + 1
+        if episode.succeeded:
+            episodes.append(episode)
+            total += len(episode.actions)
+            if on_step:
+                on_step(min(total, collection.timesteps), collection.timesteps)
+        elif failed_in_a_row >= PATIENCE:
+            raise BadInput(f"{collection.task}, {collection.method}: {PATIENCE} attempts in a row failed")
+        if total >= collection.timesteps:
+            break
+    record = CollectionRecord(
+        attempts=tried,
+        demonstrations=len(episodes),
+        timesteps=collection.timesteps,
+        mean_steps=total / len(episodes),
+        generation_rate=len(episodes) / tried,
+        grasp_points=[episode.grasped_at[:2] for episode in episodes if episode.grasped_at],
+        seconds=time.perf_counter() - started,
+    )
+    return _join(episodes, collection.timesteps), record
+
+
+def _join(episodes: list[Episode], budget: int) -> Demonstrations:
+    """Lay episodes end to end and cut the last one where the budget ends."""
+    ends = np.minimum(np.cumsum([len(episode.actions) for episode in episodes]), budget)
+    observations = np.stack([frame for episode in episodes for frame in episode.observations][:budget])
+    actions = np.stack([action for episode in episodes for action in episode.actions][:budget])
+    return Demonstrations(observations, actions, ends.astype(np.int64))
+
+
+def record_attributes(collection: Collection, seed: int, record: CollectionRecord) -> dict:
+    """What is stored beside a data set: how it was made and what it cost."""
+    return {"collection": collection.model_dump(), "seed": seed, "record": asdict(record)}

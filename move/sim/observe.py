@@ -1,0 +1,114 @@
+"""What a policy sees: keypoints in the camera's frame, or an RGB picture drawn in software.
+
+Pictures use the fast settings: no shadows, reflections, skybox or multisampling, and an offscreen buffer no larger
+than the picture. Without a GL library keypoints still work; `gl_problem` says what is missing.
+"""
+
+from __future__ import annotations
+
+import atexit
+import ctypes.util
+import math
+import os
+import sys
+from functools import cache
+
+import numpy as np
+
+from move.errors import BadInput
+from move.sim import camera
+
+ROBOT_POINTS = ("site:rightEndEffector", "site:leftEndEffector", "body:hand")
+LANDMARKS = {  # corners of the table's working area: they tell the policy where the camera is
+    "landmark:front-left": (-0.6, 0.3, 0.0),
+    "landmark:front-right": (0.6, 0.3, 0.0),
+    "landmark:back-right": (0.6, 0.9, 0.0),
+    "landmark:back-left": (-0.6, 0.9, 0.0),
+}
+
+
+def choose_gl() -> None:
+    """Choose a way to draw without a screen, before MuJoCo is imported; an explicit MUJOCO_GL is left alone."""
+    if sys.platform == "linux" and "MUJOCO_GL" not in os.environ:
+        library = next((name for name in ("EGL", "OSMesa") if ctypes.util.find_library(name)), "disable")
+        os.environ["MUJOCO_GL"] = library.lower()
+    if os.environ.get("MUJOCO_GL") == "egl":
+        os.environ.setdefault("PYOPENGL_PLATFORM", "egl")
+
+
+def gl_problem() -> str | None:
+    """One line that says why pictures cannot be drawn and which package mends it; None when they can."""
+    if sys.platform != "linux" or os.environ.get("MUJOCO_GL") != "disable":
+        return None
+    return "no GL library found: apt-get install libegl1 (Debian) or use macOS's own; keypoint work goes on without"
+
+
+def keypoint_names(task_points: tuple[str, ...]) -> tuple[str, ...]:
+    """Names of a task's keypoints in order: robot, task, landmarks; each takes three coordinates."""
+    return (*ROBOT_POINTS, *task_points, *LANDMARKS)
+
+
+def keypoint_slices(task_points: tuple[str, ...]) -> dict[str, slice]:
+    """Where each named keypoint stands in the keypoint vector; the slices cover the vector exactly.
+
+    >>> keypoint_slices(("body:obj", "target"))["target"]
+    slice(12, 15, None)
+    """
+    names = keypoint_names(task_points)
+    slices = {name: slice(3 * index, 3 * index + 3) for index, name in enumerate(names)}
+    covered = [index for part in slices.values() for index in range(part.start, part.stop)]
+    assert covered == list(range(3 * len(names))), f"keypoints {names} do not cover their vector once"
+    return slices
+
+
+def keypoints(world_points: np.ndarray, camera_angle: float) -> np.ndarray:
+    """World points (n, 3) to the keypoint vector (3 n,) float32: metres to the right, up and forward of the camera."""
+    return camera.to_camera_frame(world_points, camera_angle).astype(np.float32).ravel()
+
+
+class Painter:
+    """Draws square RGB pictures of any scene that shares one compiled model.
+
+    Raises:
+        BadInput: no GL library can be used.
+    """
+
+    def __init__(self, model, size: int) -> None:
+        import mujoco
+
+        if problem := gl_problem():
+            raise BadInput(problem)
+        model.vis.quality.offsamples = 0
+        model.vis.global_.offwidth = model.vis.global_.offheight = size
+        model.vis.global_.fovy = math.degrees(camera.FIELD_OF_VIEW)
+        self._renderer = mujoco.Renderer(model, size, size)
+        atexit.register(self._renderer.close)  # before the interpreter takes GL away
+        for flag in ("SHADOW", "REFLECTION", "SKYBOX"):
+            self._renderer.scene.flags[getattr(mujoco.mjtRndFlag, f"mjRND_{flag}")] = 0
+        self._camera = mujoco.MjvCamera()
+        self._camera.type = mujoco.mjtCamera.mjCAMERA_FREE
+        self._camera.lookat[:] = camera.LOOK_AT
+        self._camera.distance = math.hypot(camera.RADIUS, camera.HEIGHT)
+        self._camera.elevation = -math.degrees(math.atan2(camera.HEIGHT, camera.RADIUS))
+
+    def draw(self, data, camera_angle: float) -> np.ndarray:
+        """The picture seen from `camera_angle` (radians), shape (size, size, 3), uint8."""
+        self._camera.azimuth = math.degrees(camera_angle) + 180.0
+        self._renderer.update_scene(data, camera=self._camera)
+        return self._renderer.render().copy()
+
+
+@cache
+def gl_renderer() -> str:
+    """The GL renderer's own name, for provenance ("none" without GL); llvmpipe means drawn in software."""
+    if gl_problem():
+        return "none"
+    import mujoco
+    from OpenGL import GL
+
+    context = mujoco.GLContext(16, 16)
+    context.make_current()
+    try:
+        return GL.glGetString(GL.GL_RENDERER).decode()
+    finally:
+        context.free()

@@ -1,0 +1,1 @@
+"""From run specs, grids, stored results and statistics."""

@@ -1,0 +1,72 @@
+"""What this machine has and lacks: drawing, processor, memory, versions against the lock, each with what mends it."""
+
+from __future__ import annotations
+
+import os
+import re
+from importlib.metadata import PackageNotFoundError, version
+
+import psutil
+
+from move.paths import LOCK
+from move.sim.observe import gl_problem, gl_renderer
+from move.study.provenance import processor
+
+MEMORY_GB = 4.0  # two image runs beside each other, and room to breathe
+Check = dict[str, str]
+
+
+def examine() -> list[Check]:
+    """All checks: name, outcome ("fine", "slow" or "broken"), what was found, and the one line that mends it."""
+    return [_gl(), _cores(), _memory(), *_versions()]
+
+
+def _check(name: str, outcome: str, found: str, mend: str = "") -> Check:
+    return {"check": name, "outcome": outcome, "found": found, "mend": mend}
+
+
+def _gl() -> Check:
+    if problem := gl_problem():
+        return _check("GL", "slow", problem, "apt-get install libegl1")
+    try:
+        renderer = gl_renderer()
+    except Exception as error:  # whatever a GL driver raises: it cannot draw
+        return _check("GL", "slow", f"cannot draw: {error}", "apt-get install libegl1 libgl1-mesa-dri")
+    if "llvmpipe" in renderer:
+        return _check("GL", "slow", f"{renderer}: draws in SOFTWARE, 4-5 ms a picture", "none needed on a laptop")
+    return _check("GL", "fine", renderer)
+
+
+def _cores() -> Check:
+    return _check("processor", "fine", f"{os.cpu_count()} x {processor()}")
+
+
+def _memory() -> Check:
+    available = psutil.virtual_memory().available / 1e9
+    if available < MEMORY_GB:
+        return _check("memory", "slow", f"{available:.1f} GB free", "close programs, or `move run --workers 1`")
+    return _check("memory", "fine", f"{available:.1f} GB free")
+
+
+def locked_versions(text: str) -> dict[str, str]:
+    """Package to version from a lock file in pip's format, for packages of every platform.
+
+    >>> locked_versions("numpy==2.4.6 --hash=sha256:0\\nsix==1.17.0 ; sys_platform == 'win32'")
+    {'numpy': '2.4.6'}
+    """
+    lines = re.findall(r"^([\w.-]+)==([\w.]+)(.*)$", text, re.MULTILINE)
+    return {name: pinned for name, pinned, rest in lines if ";" not in rest}
+
+
+def _versions() -> list[Check]:
+    if not LOCK.exists():
+        return [_check("lock", "broken", f"{LOCK} is missing", "git checkout environment.lock")]
+    wrong = []
+    for name, pinned in locked_versions(LOCK.read_text()).items():
+        try:
+            installed = version(name).split("+")[0]
+        except PackageNotFoundError:
+            installed = "not installed"
+        if installed != pinned:
+            wrong.append(_check(name, "broken", f"{installed}, the lock has {pinned}", "rm -rf .venv && make setup"))
+    return wrong or [_check("versions", "fine", "all as in environment.lock")]

@@ -1,0 +1,112 @@
+"""Which runs make which figure: one function a figure, from its parameters to its list of specs.
+
+The parameters are those of the notebook of the same name; a profile's YAML may change them. Static, ADC and MOVE get
+the same budget, recipe, evaluation and seeds.
+"""
+
+from __future__ import annotations
+
+import functools
+import inspect
+from collections.abc import Callable
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, ValidationError, validate_call
+
+from move.errors import BadInput
+from move.learn.evaluate import Evaluation
+from move.sim.collect import METHODS, Collection
+from move.study.profiles import first_problem, load_profile
+from move.study.spec import RunSpec
+
+
+def checked(experiment: Callable[..., list[RunSpec]]) -> Callable[..., list[RunSpec]]:
+    """Check the arguments of an experiment by their annotations; what does not fit is BadInput, in one line."""
+    validated = validate_call(experiment)
+
+    @functools.wraps(experiment)
+    def call(*arguments: Any, **keywords: Any) -> list[RunSpec]:
+        try:
+            return validated(*arguments, **keywords)
+        except ValidationError as error:
+            raise BadInput(f"{experiment.__name__}: {first_problem(error)}") from error
+
+    return call
+
+
+Count = Annotated[int, Field(gt=0, strict=True)]
+Observation = Literal["rgb", "keypoints"]
+
+
+@checked
+def fig1_sparse(
+    profile: str = "laptop", observation: Observation = "rgb", timesteps: Count = 7000, seeds: Count = 3,
+    grid_side: Count = 12,
+) -> list[RunSpec]:
+    """Nine grasp points, static against MOVE, equal timesteps; a grid over the 30 x 30 cm object space (figure 1)."""
+    settings = load_profile(profile)
+    return [
+        RunSpec(
+            task="pick-place", seed=seed, training=settings.training[observation],
+            collection=Collection(task="pick-place", method=method, timesteps=timesteps, observation=observation,
+                                  image_size=settings.image_size, factors="object", protocol="sparse"),
+            evaluation=Evaluation(layout="grid", grid_side=grid_side, factors="object", points="sparse"),
+        )
+        for method in ("static", "move")
+        for seed in range(seeds)
+    ]
+
+
+@checked
+def keypoint_control(
+    profile: str = "laptop", timesteps: list[Count] = None, seeds: Count = 5, episodes: Count = 100
+) -> list[RunSpec]:
+    """Pick-Place with all factors random and perception given: three methods at several budgets, and the expert."""
+    if timesteps is None:
+        timesteps = [1250, 2500, 5000]
+    settings = load_profile(profile)
+    evaluation = Evaluation(episodes=episodes)
+    policies = [
+        RunSpec(
+            task="pick-place", seed=seed, training=settings.training["keypoints"], evaluation=evaluation,
+            collection=Collection(task="pick-place", method=method, timesteps=budget),
+        )
+        for budget in timesteps
+        for method in METHODS
+        for seed in range(seeds)
+    ]
+    controls = [RunSpec(task="pick-place", seed=0, player=player, evaluation=evaluation)
+                for player in ("nothing", "random", "expert")]
+    return policies + controls
+
+
+EXPERIMENTS: dict[str, Callable[..., list[RunSpec]]] = {
+    "fig1_sparse": fig1_sparse,
+    "keypoint_control": keypoint_control,
+}
+
+
+def parameters(experiment: str, profile: str) -> dict[str, Any]:
+    """The parameters of `experiment` in `profile`: the function's own defaults and what the YAML changes.
+
+    Raises:
+        BadInput: an unknown experiment or parameter.
+    """
+    if experiment not in EXPERIMENTS:
+        raise BadInput(f"figure: {experiment!r} given; allowed are {', '.join(EXPERIMENTS)}")
+    defaults = {name: parameter.default
+                for name, parameter in inspect.signature(EXPERIMENTS[experiment]).parameters.items()}
+    changed = load_profile(profile).notebooks.get(experiment, {})
+    if unknown := set(changed) - set(defaults):
+        raise BadInput(f"profile {profile}: {experiment} has no parameter {', '.join(sorted(unknown))}; "
+                       f"allowed are {', '.join(defaults)}")
+    return {**defaults, **changed, "profile": profile}
+
+
+def specs(experiment: str, profile: str) -> list[RunSpec]:
+    """The runs of `experiment` in `profile`.
+
+    Raises:
+        BadInput: an unknown experiment, profile or parameter, or a value that is not allowed.
+    """
+    return EXPERIMENTS[experiment](**parameters(experiment, profile))

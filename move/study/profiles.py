@@ -1,0 +1,87 @@
+"""Profiles: one YAML file each under profiles/, with the recipes and each notebook's parameters."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import yaml
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from move.errors import BadInput
+from move.learn.settings import Training
+from move.paths import PROFILES
+
+
+class Profile(BaseModel):
+    """The settings that all figures of one profile share, and the parameters of each notebook."""
+
+    model_config = ConfigDict(frozen=True, strict=True, extra="forbid")
+
+    purpose: str = Field(description="one sentence that every picture of the profile carries")
+    image_size: int = Field(96, ge=16, le=512, description="pixels along a side")
+    training: dict[str, Training] = Field(description="the recipe for each observation, alike for all methods")
+    notebooks: dict[str, dict[str, Any]] = Field(description="parameters that differ from the notebook's own")
+    minutes: dict[str, float] = Field(default_factory=dict, description="core-minutes of a run, by observation")
+
+
+def names() -> list[str]:
+    """The profiles that exist."""
+    return sorted(path.stem for path in PROFILES.glob("*.yaml"))
+
+
+def read_yaml(path) -> Any:
+    """A YAML file's content.
+
+    Raises:
+        BadInput: not YAML, or a number like 1e-4, which YAML reads as text.
+    """
+    try:
+        content = yaml.safe_load(path.read_text())
+    except (OSError, yaml.YAMLError) as error:
+        raise BadInput(f"{path}: not readable as YAML: {' '.join(str(error).split())}") from error
+    refuse_text_numbers(content, str(path))
+    return content
+
+
+def refuse_text_numbers(content: Any, where: str) -> None:
+    """Refuse texts that were meant as numbers, such as 1e-4.
+
+    Raises:
+        BadInput: such a text; the message says how to write it.
+    """
+    if isinstance(content, dict):
+        for key, value in content.items():
+            refuse_text_numbers(value, f"{where}: {key}")
+    elif isinstance(content, list):
+        for value in content:
+            refuse_text_numbers(value, where)
+    elif isinstance(content, str):
+        try:
+            number = float(content)
+        except ValueError:
+            return
+        raise BadInput(f"{where}: {content!r} is text to YAML; write the number as {number!r} or like 1.0e-4")
+
+
+def load_profile(name: str) -> Profile:
+    """The profile called `name`.
+
+    Raises:
+        BadInput: no such profile, or a setting that is wrong; the message says which.
+    """
+    if name not in names():
+        raise BadInput(f"profile: {name!r} given; allowed are {', '.join(names())} (files under {PROFILES})")
+    path = PROFILES / f"{name}.yaml"
+    try:
+        return Profile.model_validate(read_yaml(path))
+    except ValidationError as error:
+        raise BadInput(f"{path}: {first_problem(error)}") from error
+
+
+def first_problem(error: ValidationError) -> str:
+    """The first thing that pydantic found wrong, in one line: where, what was given, what is allowed."""
+    first = error.errors()[0]
+    where = ".".join(str(part) for part in first["loc"]) or "settings"
+    given = first.get("input")
+    shown = "" if isinstance(given, dict | list | BaseModel) else f"{given!r} given; "
+    return f"{where}: {shown}{first['msg'].removeprefix('Value error, ').lower()}"

@@ -1,0 +1,79 @@
+"""One run from its spec to its stored result: collect, train, evaluate."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable
+from dataclasses import asdict
+from pathlib import Path
+
+import torch
+
+from move.learn.evaluate import Expert, Nothing, Player, PolicyPlayer, Random, evaluate
+from move.learn.train import train
+from move.paths import RUNS
+from move.sim.collect import collect
+from move.sim.tasks import get_task
+from move.study.provenance import provenance
+from move.study.results import Result, store
+from move.study.spec import RunSpec
+
+OnProgress = Callable[[str, int, int], None]
+"""Called with the part of the run, what is done of it and how much there is."""
+
+
+def run(spec: RunSpec, folder: Path, on_progress: OnProgress | None = None) -> Result:
+    """Compute `spec` on one thread and store its result in `folder`; an interrupted training goes on.
+
+    Demonstrations are not kept: the spec and the seed make the same ones again.
+    """
+    torch.set_num_threads(1)
+    report = on_progress or (lambda part, done, total: None)
+    seconds: dict[str, float] = {}
+    player, collected, trained = _player(spec, report, seconds)
+    started = time.perf_counter()
+    rows = evaluate(
+        player, get_task(spec.task), spec.evaluation,
+        observation=spec.collection.observation if spec.collection else "keypoints",
+        image_size=spec.collection.image_size if spec.collection else 96,
+        on_step=lambda done, total: report("evaluate", done, total),
+    )
+    seconds["evaluate"] = time.perf_counter() - started
+    result = Result(spec, rows, collected, trained, {part: round(value, 2) for part, value in seconds.items()},
+                    provenance(draws=spec.observation == "rgb"))
+    store(result, folder)
+    return result
+
+
+def _player(spec: RunSpec, report: OnProgress, seconds: dict[str, float]) -> tuple[Player, dict | None, dict | None]:
+    controls = {"nothing": Nothing, "random": lambda: Random(spec.seed), "expert": lambda: Expert("phase")}
+    if spec.player != "policy":
+        return controls[spec.player](), None, None
+    started = time.perf_counter()
+    demonstrations, record = collect(spec.collection, spec.seed, lambda done, total: report("collect", done, total))
+    seconds["collect"] = time.perf_counter() - started
+    policy, trained = train(
+        demonstrations, spec.training, spec.seed, checkpoint=RUNS / spec.hash,
+        on_step=lambda done, total, loss: report("train", done, total),
+    )
+    seconds["train"] = trained.seconds
+    return PolicyPlayer(policy, spec.seed), asdict(record), asdict(trained)
+
+
+def run_and_report(spec: RunSpec, folder: Path) -> str:
+    """`run` for a worker process: progress goes to a small file that the parent reads; returns the hash."""
+    place = RUNS / spec.hash
+    place.mkdir(parents=True, exist_ok=True)
+    last = 0.0
+
+    def write(part: str, done: int, total: int) -> None:
+        nonlocal last
+        if time.monotonic() - last > 0.5 or done == total:
+            last = time.monotonic()
+            beside = place / f"progress.{os.getpid()}"
+            beside.write_text(f"{part} {done} {total}")
+            os.replace(beside, place / "progress")
+
+    run(spec, folder, write)
+    return spec.hash
