@@ -22,9 +22,9 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from move.sim import motion
-from move.sim.configuration import Box, Disc, SpatialConfiguration
+from move.sim.configuration import Box, Disc, SpatialConfiguration, Vector
 from move.sim.scene import Scene
-from move.sim.tasks import FACTORS
+from move.sim.task import FACTORS
 
 JUMP_DISTANCE = 0.2  # metres between gripper and object or target at which ADC makes it jump
 
@@ -43,7 +43,8 @@ class Motions(BaseModel):
 class Motion(gymnasium.Wrapper):
     """One part of the scene that moves by a law of time while `moving` holds.
 
-    Where the law would bring object and target nearer than the task's clearance, the motion goes back the way it came.
+    Where the law would leave what the task allows (object and target nearer than its clearance, or something out of
+    reach), the motion goes back the way it came; where that is not allowed either, it stands still for a step.
     """
 
     keeps_clear = True
@@ -68,12 +69,17 @@ class Motion(gymnasium.Wrapper):
 
     def _move(self) -> None:
         wanted = self.placed(self.clock + self.sense)
-        if self.keeps_clear and not self.scene.task.allows(wanted, self.scene.task.clearance):
+        self.moves += 1
+        if not self._allowed(wanted):
             self.sense = -self.sense
             wanted = self.placed(self.clock + self.sense)
+            if not self._allowed(wanted):
+                return
         self.clock += self.sense
-        self.moves += 1
         self.apply(wanted)
+
+    def _allowed(self, wanted: SpatialConfiguration) -> bool:
+        return not self.keeps_clear or self.scene.task.allows(wanted, self.scene.task.clearance)
 
     def moving(self) -> bool:
         """Whether this part moves in the coming step."""
@@ -93,7 +99,10 @@ class Motion(gymnasium.Wrapper):
 
 
 class PickMotion(Motion):
-    """What moves in the pick phase: until the object is grasped, for at most the task's `object_steps`."""
+    """What moves in the pick phase: until the object is grasped, for at most the task's `object_steps`.
+
+    Where the task is done without a grasp, the first touch ends the pick phase.
+    """
 
     def moving(self) -> bool:
         """Whether the pick phase lasts and steps are left."""
@@ -153,11 +162,20 @@ class ObjectRotation(PickMotion):
 
 
 class TargetTranslation(Motion):
-    """The target moves from the grasp on, until the task's `target_steps` (equation 1)."""
+    """The target moves from the grasp on, until the task's `target_steps` (equation 1).
+
+    It stands still while the held object is about to be placed, within the task's `freeze_distance`.
+    """
 
     def moving(self) -> bool:
         """Whether the object was grasped and the target may still move."""
-        return self.scene.phase == "place" and self.scene.steps < self.scene.task.target_steps
+        scene, task = self.scene, self.scene.task
+        if scene.phase != "place" or scene.steps >= task.target_steps:
+            return False
+        if not task.freeze_distance:
+            return True
+        placed, there = scene.point(task.placed_point), scene.point(task.target_point)
+        return math.dist(placed[:2], there[:2]) >= task.freeze_distance
 
     def draw(self, rng: np.random.Generator) -> None:
         """Draw v ~ Beta(2, 5) and a direction uniform on the sphere, or on the circle for a target on the table."""
@@ -208,7 +226,7 @@ class Jumps(gymnasium.Wrapper):
     def __init__(self, env: gymnasium.Env, target: bool = True) -> None:
         super().__init__(env)
         self.scene: Scene = env.unwrapped
-        self.jumping = {"pick", "place"} if target else {"pick"}
+        self.jumping = {"pick", "place"} if target and self.scene.task.has_target else {"pick"}
 
     def reset(self, **keywords: Any) -> tuple[np.ndarray, dict]:
         """Start an episode with all jumps still to come."""
@@ -218,12 +236,13 @@ class Jumps(gymnasium.Wrapper):
     def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict]:
         """Jump if it is time, then step."""
         phase = self.scene.phase
-        if phase in self.left and self._near(self.scene.task.object_point if phase == "pick" else "target"):
+        if phase in self.left and self._near(phase):
             self.left.remove(phase)
             self._jump(phase)
         return self.env.step(action)
 
-    def _near(self, point: str) -> bool:
+    def _near(self, phase: str) -> bool:
+        point = self.scene.task.object_point if phase == "pick" else self.scene.task.target_point
         fingers = (self.scene.point("site:leftEndEffector") + self.scene.point("site:rightEndEffector")) / 2
         return math.dist(fingers, self.scene.point(point)) < JUMP_DISTANCE
 
@@ -232,10 +251,18 @@ class Jumps(gymnasium.Wrapper):
         for _ in range(1000):
             drawn = task.sample(scene.np_random, "object" if phase == "pick" else "object+target")
             if phase == "place":
-                return scene.move_target(drawn.target_position)
+                if self._clear(drawn.target_position):
+                    return scene.move_target(drawn.target_position)
+                continue
             kept = replace(scene.configuration, object_position=drawn.object_position, object_yaw=drawn.object_yaw)
             if task.allows(kept, task.separation):
                 return scene.move_object(kept.object_position, kept.object_yaw)
+
+    def _clear(self, place: Vector) -> bool:
+        """Whether a target at `place` would not appear inside the object or the hand that holds it."""
+        least = self.scene.task.jump_clearance
+        points = (self.scene.point(self.scene.task.object_point), self.scene.hand)
+        return not least or all(math.dist(point[:2], place[:2]) >= least for point in points)
 
 
 def with_motions(scene: Scene, motions: Motions, factors: str, region: Box | Disc | None = None,
@@ -245,9 +272,9 @@ def with_motions(scene: Scene, motions: Motions, factors: str, region: Box | Dis
     env: gymnasium.Env = scene
     if motions.object_speed:
         env = ObjectTranslation(env, motions.object_speed, region, arrive)
-    if motions.yaw_speed and task.yaw_range[1] > task.yaw_range[0]:
-        env = ObjectRotation(env, motions.yaw_speed)
-    if motions.target_speed and "target" in free:
+    if motions.yaw_speed and task.has_yaw:
+        env = ObjectRotation(env, motions.yaw_speed * task.yaw_speed_scale)
+    if motions.target_speed and task.has_target and "target" in free:
         env = TargetTranslation(env, motions.target_speed)
     if motions.camera_speed and "camera" in free:
         env = CameraMotion(env, motions.camera_speed)

@@ -1,89 +1,46 @@
 """The scene: a Meta-World task whose spatial configuration is set on reset and can be moved while it runs.
 
-This is the only file that touches MuJoCo's model and data. Meta-World supplies the model, its starting pose and the
-limits of the hand; stepping, success and observation happen here, without Meta-World's rewards and samplers.
+With `world.py` the only file that touches MuJoCo's model and data. Meta-World supplies the model, its starting pose and
+the limits of the hand; stepping, success and observation happen here, without Meta-World's rewards and samplers.
 """
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import replace
-from functools import cache
 from typing import Any
 
 import gymnasium
 import mujoco
 import numpy as np
 from gymnasium.spaces import Box as BoxSpace
-from metaworld.env_dict import ALL_V3_ENVIRONMENTS
 
 from move.errors import BadInput
 from move.sim.configuration import SpatialConfiguration, Vector
-from move.sim.observe import LANDMARKS, Painter, keypoint_names, keypoint_slices, keypoints
-from move.sim.tasks import Mount, Task, get_task
+from move.sim.geometry import limited, wrapped
+from move.sim.observe import LANDMARKS, keypoint_names, keypoint_slices, keypoints
+from move.sim.tasks import Task, get_task
+from move.sim.world import LEFT, OBJECT, PALM, RIGHT, shared_world, stands, yaw_of
 
 OBSERVATIONS = ("keypoints", "rgb")
 EPISODE_STEPS = 200  # the authors' limit
 SUCCESS_STEPS = 10  # an episode ends after this many successful steps (the authors' rule)
 HAND_STEP = 0.01  # metres that the hand's goal moves for an action of 1
+YAW_STEP = math.radians(6.0)  # radians that the gripper's goal turns for an action of 1
+YAW_LIMIT = math.radians(100.0)  # of the gripper's goal, to both sides; radians
 SUBSTEPS = 5  # MuJoCo steps an environment step, as in Meta-World
 SETTLE_STEPS = 50  # environment steps given to the hand to reach its start, as in Meta-World
 REACH = 0.3  # metres between hand and object beyond which contacts are not looked up
-DOWN = np.array([1.0, 0.0, 1.0, 0.0]) / np.sqrt(2.0)  # orientation of a hand that points down
-OBJECT, LEFT, RIGHT, PALM = 1, 2, 3, 4  # what a contact is between
-
-
-class World:
-    """A task's compiled model, shared by all its scenes (its meshes take 21 MB).
-
-    Each scene writes its own target into the model before it steps or draws (`claim`), so scenes of one task can be
-    stepped in turn within one thread.
-    """
-
-    def __init__(self, task: Task) -> None:
-        environment = ALL_V3_ENVIRONMENTS[task.metaworld]()
-        environment._set_task_called, environment._freeze_rand_vec = True, False
-        environment.reset()
-        self.model: mujoco.MjModel = environment.model
-        self.start = environment.init_qpos.copy()
-        self.hand_low, self.hand_high = environment.mocap_low.tolist(), environment.mocap_high.tolist()
-        self.owner: Scene | None = None
-        self.sides = self._contact_sides(task)
-        self._painters: dict[int, Painter] = {}
-
-    def painter(self, size: int) -> Painter:
-        """The painter for pictures of `size` pixels, made once."""
-        if size not in self._painters:
-            self._painters[size] = Painter(self.model, size)
-        return self._painters[size]
-
-    def joint_addresses(self, body: str) -> tuple[int, int]:
-        """Where the free joint of `body` stands in the positions and in the velocities."""
-        joint = self.model.body(body).jntadr[0]
-        return int(self.model.jnt_qposadr[joint]), int(self.model.jnt_dofadr[joint])
-
-    def _contact_sides(self, task: Task) -> list[int]:
-        """For each geom whether it is the object's, a finger's or the hand's (0 for all others)."""
-        owners = {"leftclaw": LEFT, "leftpad": LEFT, "rightclaw": RIGHT, "rightpad": RIGHT, "hand": PALM}
-        bodies = {self.model.body(name).id: side for name, side in owners.items()}
-        bodies[self.model.body(task.object_mounts[0].name).id] = OBJECT
-        return [self._side(int(body), bodies) for body in self.model.geom_bodyid]
-
-    def _side(self, body: int, sides: dict[int, int]) -> int:
-        while body and body not in sides:
-            body = int(self.model.body_parentid[body])
-        return sides.get(body, 0)
-
-
-@cache
-def shared_world(task: Task) -> World:
-    """The world of `task`, compiled once a process."""
-    return World(task)
+DOWN = np.array([1.0, 0.0, 1.0, 0.0]) / np.sqrt(2.0)  # orientation of a hand that points down, at yaw 0
 
 
 class Scene(gymnasium.Env):
     """A task of the paper as a Gymnasium environment whose object, target and camera can be moved at any time.
 
-    Actions are four numbers in [-1, 1]: three displacements of the hand's goal (1 = 0.01 m) and the gripper's effort.
+    Actions are four numbers in [-1, 1]: three displacements of the hand's goal (1 = 0.01 m) and the gripper's effort;
+    where the task turns the gripper a fifth: the change of its goal's yaw (1 = 6 degrees, at most 100 to each side).
     An observation is the keypoint vector (float32, metres, camera frame) or an RGB picture (uint8). The reward is 1
     on a successful step. The episode limit is left to Gymnasium's TimeLimit and to the loops of this package.
 
@@ -108,10 +65,11 @@ class Scene(gymnasium.Env):
         self._world = shared_world(self.task)
         self._model, self._data = self._world.model, mujoco.MjData(self._world.model)
         self._target = np.zeros(3)
-        self._points: dict[str, np.ndarray] = {"target": self._target}
+        self._touching: dict[str, frozenset[int]] = {}
+        self._points: dict[str, np.ndarray | Callable[[], np.ndarray]] = {"target": self._target}
         self._keypoint_names = keypoint_names(self.task.keypoints)
         self.keypoint_slices = keypoint_slices(self.task.keypoints)
-        self.action_space = BoxSpace(-1.0, 1.0, (4,), np.float32)
+        self.action_space = BoxSpace(-1.0, 1.0, (self.task.action_size,), np.float32)
         self.observation_space = self._observation_space()
         self._configuration = self.task.fixed
 
@@ -136,6 +94,7 @@ class Scene(gymnasium.Env):
         mujoco.mj_resetData(self._model, self._data)
         self._data.qpos[:] = self._world.start
         self.steps, self.phase, self.touched, self.held, self.success = 0, "pick", False, False, False
+        self.strict_steps, self.gripper_yaw = 0, 0.0
         self._configuration = configuration
         self._claim()
         self._drive_hand(configuration.hand_position)
@@ -152,10 +111,14 @@ class Scene(gymnasium.Env):
             mujoco.mj_step(self._model, self._data, nstep=SUBSTEPS)
 
     def _claim(self) -> None:
-        """Write this scene's target into the shared model, unless it is there already."""
-        if self._world.owner is not self:
-            self._world.owner = self
-            self.move_target(self._configuration.target_position)
+        """Write this scene's target, and an object that stands in the model, unless they are there already."""
+        if self._world.owner is self:
+            return
+        self._world.owner = self
+        self.move_target(self._configuration.target_position)
+        for mount in self.task.object_mounts:
+            if mount.kind != "free":
+                self._world.place(mount, self._configuration.object_position, self._configuration.object_yaw)
 
     # running -------------------------------------------------------------------------------------------------------
 
@@ -167,20 +130,32 @@ class Scene(gymnasium.Env):
     def advance(self, action: np.ndarray) -> None:
         """Advance by one step without observing: the hand's goal moves, MuJoCo runs, success is judged."""
         self._claim()
-        dx, dy, dz, effort = (min(1.0, max(-1.0, value)) for value in np.asarray(action, float).tolist())
+        dx, dy, dz, effort, *turn = (min(1.0, max(-1.0, value)) for value in np.asarray(action, float).tolist())
         low, high = self._world.hand_low, self._world.hand_high
         for axis, change in enumerate((dx, dy, dz)):
             self._mocap[axis] = min(high[axis], max(low[axis], self._mocap[axis] + HAND_STEP * change))
         self._data.mocap_pos[0] = self._mocap
         self._data.ctrl[:] = (effort, -effort)
+        if self.task.turns_gripper:
+            self._turn_gripper(*turn)
         mujoco.mj_step(self._model, self._data, nstep=SUBSTEPS)
         mujoco.mj_kinematics(self._model, self._data)
         self.steps += 1
         self._look_up_contacts()
         self.success = self.touched and self.task.success(self)
+        if self.success and self.task.strict_success:
+            self.strict_steps += self.task.strict_success(self)
+
+    def _turn_gripper(self, turn: float) -> None:
+        self.gripper_yaw = limited(self.gripper_yaw + YAW_STEP * turn, YAW_LIMIT)
+        cos, sin = math.cos(self.gripper_yaw / 2), math.sin(self.gripper_yaw / 2)
+        self._data.mocap_quat[0] = np.array([cos, -sin, cos, sin]) / np.sqrt(2.0)  # DOWN turned about the vertical
 
     def _look_up_contacts(self) -> None:
-        """Note whether the hand touches the object and whether both fingers hold it; the first hold ends the pick."""
+        """Note whether the hand touches the object and whether both fingers hold it; the first hold ends the pick.
+
+        Where the task is done without a grasp, the first touch ends it.
+        """
         self.held = False
         offset = self.point(self.task.object_point) - self.hand
         if offset @ offset > REACH**2:
@@ -192,43 +167,56 @@ class Scene(gymnasium.Env):
                 met.add(sum(pair) - OBJECT)
         self.touched = self.touched or bool(met & {LEFT, RIGHT, PALM})
         self.held = {LEFT, RIGHT} <= met
-        if self.held:
+        if self.held if self.task.grasps else self.touched:
             self.phase = "place"
 
     def _info(self) -> dict[str, Any]:
-        return {"success": self.success, "phase": self.phase}
+        info = {"success": self.success, "phase": self.phase}
+        if self.task.strict_success:
+            info["strict_success"] = self.strict_steps > 0
+        return info
 
     # moving --------------------------------------------------------------------------------------------------------
 
     def move_object(self, position: Vector, yaw: float) -> None:
         """Put the object at `position` (metres) and `yaw` (radians), at rest."""
         for mount in self.task.object_mounts:
-            self._write(mount, position, yaw)
+            if mount.kind == "free":
+                at, speed = self._world.free_joint(mount.name)
+                where, turn = stands(mount, position, yaw)
+                self._data.qpos[at : at + 7] = (*where, *turn)
+                self._data.qvel[speed : speed + 6] = 0.0
+            else:
+                self._claim()
+                self._world.place(mount, position, yaw)
+            if mount.joint:
+                at, speed = self._world.hinge_or_slide(mount.joint)
+                self._data.qpos[at] = self._data.qvel[speed] = 0.0
         self._configuration = replace(self._configuration, object_position=tuple(position), object_yaw=yaw)
 
     def move_target(self, position: Vector) -> None:
         """Put the target at `position` (metres)."""
         self._target[:] = position
-        for mount in self.task.target_mounts:
-            self._write(mount, position, 0.0)
         self._configuration = replace(self._configuration, target_position=tuple(position))
+        self._claim()
+        for mount in self.task.target_mounts:
+            self._world.place(mount, position, 0.0)
 
     def move_camera(self, angle: float) -> None:
         """Put the camera at `angle` (radians) on its cylinder."""
         self._configuration = replace(self._configuration, camera_angle=angle)
 
-    def _write(self, mount: Mount, position: Vector, yaw: float) -> None:
-        place = [value + offset for value, offset in zip(position, mount.offset, strict=True)]
-        half = (mount.yaw + yaw) / 2
-        turn = (np.cos(half), 0.0, 0.0, np.sin(half))
-        if mount.kind == "free":
-            at, speed = self._world.joint_addresses(mount.name)
-            self._data.qpos[at : at + 7] = (*place, *turn)
-            self._data.qvel[speed : speed + 6] = 0.0
-        elif mount.kind == "site":
-            self._model.site(mount.name).pos = place
-        else:
-            self._model.body(mount.name).pos = place
+    @contextmanager
+    def pretending(self, target: Vector) -> Iterator[None]:
+        """For a while, whoever reads the scene finds the target at `target` (metres); nothing may be stepped."""
+        true = self._configuration.target_position
+        self.move_target(target)
+        mujoco.mj_kinematics(self._model, self._data)
+        try:
+            yield
+        finally:
+            self.move_target(true)
+            mujoco.mj_kinematics(self._model, self._data)
 
     # reading -------------------------------------------------------------------------------------------------------
 
@@ -243,6 +231,48 @@ class Scene(gymnasium.Env):
         return self.point("body:hand")
 
     @property
+    def hand_limits(self) -> tuple[Vector, Vector]:
+        """Lowest and highest position of the hand's goal, metres."""
+        return tuple(self._world.hand_low), tuple(self._world.hand_high)
+
+    @property
+    def hand_yaw(self) -> float:
+        """Yaw of the hand as it is, radians; `gripper_yaw` is where it should be."""
+        matrix = self._orientation("hand")
+        return math.atan2(-matrix[1], matrix[4])
+
+    @property
+    def object_yaw(self) -> float:
+        """Yaw of the object as it lies or is held, relative to Meta-World's pose, radians."""
+        mount = self.task.object_mounts[0]
+        return wrapped(self.body_yaw(mount.name) - mount.yaw)
+
+    def body_yaw(self, name: str) -> float:
+        """Yaw of a named body, radians."""
+        return yaw_of(self._orientation(name))
+
+    def _orientation(self, body: str) -> np.ndarray:
+        """Rotation matrix of a body, nine numbers row by row; a live view."""
+        name = f"orientation:{body}"
+        if name not in self._points:
+            self._points[name] = self._data.xmat[self._model.body(body).id]
+        return self._points[name]
+
+    def joint(self, name: str) -> float:
+        """Position of a named hinge or slide, radians or metres."""
+        return float(self._data.qpos[self._world.hinge_or_slide(name)[0]])
+
+    def touches(self, first: str, second: str) -> bool:
+        """Whether two of "body:NAME" or "body:NAME-GEOM" (without what is at GEOM's place) are in contact."""
+        one, other = (self._geoms(name) for name in (first, second))
+        return any((a in one and b in other) or (b in one and a in other) for a, b in self._data.contact.geom.tolist())
+
+    def _geoms(self, name: str) -> frozenset[int]:
+        if name not in self._touching:
+            self._touching[name] = self._world.geoms(name)
+        return self._touching[name]
+
+    @property
     def opening(self) -> float:
         """Opening of the gripper from 0 to 1, as Meta-World observes it."""
         gap = self.point("body:rightclaw") - self.point("body:leftclaw")
@@ -251,13 +281,15 @@ class Scene(gymnasium.Env):
     def point(self, name: str) -> np.ndarray:
         """Position of a named point, shape (3,), metres: "target", "body:NAME", "site:NAME", "geom:NAME".
 
-        The array is a live view: copy it to keep it.
+        "body:NAME+x,y,z" is the point at that offset in the body's frame. The array may be a live view: copy it to
+        keep it.
         """
         if name not in self._points:
             self._points[name] = self._view(name)
-        return self._points[name]
+        found = self._points[name]
+        return found() if callable(found) else found
 
-    def _view(self, name: str) -> np.ndarray:
+    def _view(self, name: str) -> np.ndarray | Callable[[], np.ndarray]:
         if name in LANDMARKS:
             return np.array(LANDMARKS[name])
         kind, element = name.split(":")
@@ -265,7 +297,14 @@ class Scene(gymnasium.Env):
             return self._data.site_xpos[self._model.site(element).id]
         if kind == "geom":
             return self._data.geom_xpos[self._model.geom(element).id]
-        return self._data.xpos[self._model.body(element).id]
+        element, _, offset = element.partition("+")
+        position = self._data.xpos[self._model.body(element).id]
+        return self._attached(element, position, offset) if offset else position
+
+    def _attached(self, body: str, position: np.ndarray, offset: str) -> Callable[[], np.ndarray]:
+        matrix = self._orientation(body).reshape(3, 3)
+        vector = np.array([float(value) for value in offset.split(",")])
+        return lambda: position + matrix @ vector
 
     def keypoints(self) -> np.ndarray:
         """The keypoint vector in the camera's frame, float32, metres; `keypoint_slices` names its parts."""

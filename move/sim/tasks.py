@@ -1,133 +1,33 @@
-"""The tasks as data: what is moved, over which ranges, what is seen as keypoints and what counts as success.
+"""The ten tasks of the paper as data, one frozen `Task` each.
 
-One frozen `Task` each, no subclasses. Ranges are the authors' own (metres, radians); names are those of Meta-World's
-MuJoCo models. The scene reads these entries; it holds no knowledge of any task.
+Ranges are the authors' own (metres, radians); names are those of Meta-World's MuJoCo models. Free bodies start at the
+height they come to rest at. Actions have four parts, and a fifth, the gripper's yaw, in Assembly, Hammer and
+Disassembly; a task's action space is the same for every method.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Protocol
-
-import numpy as np
 
 from move.errors import BadInput
-from move.sim.configuration import Box, SpatialConfiguration, Vector
+from move.sim import reach
+from move.sim.configuration import Box, SpatialConfiguration
+from move.sim.success import around, both, higher, in_hoop, joint_beyond, near, touching
+from move.sim.task import FACTORS, Grip, Mount, Press, Task
 
-FACTORS = {
-    "object": frozenset({"object"}),
-    "object+target": frozenset({"object", "target", "hand"}),
-    "all": frozenset({"object", "target", "hand", "camera"}),
-}
-"""The settings of Table 1: which parts of the configuration are random; the others stay at the task's fixed ones.
-The object's yaw, where a task has one, goes with the object; the hand's start goes with the target."""
-
-MAX_DRAWS = 1000
-
-
-class Reading(Protocol):
-    """What a success condition may read of a scene."""
-
-    def point(self, name: str) -> np.ndarray:
-        """Position of a named point, shape (3,), metres."""
-
-
-Success = Callable[[Reading], bool]
-
-
-def near(point: str, target: str, distance: float) -> Success:
-    """Success condition: `point` is at most `distance` metres from `target`."""
-
-    def condition(scene: Reading) -> bool:
-        return math.dist(scene.point(point), scene.point(target)) <= distance
-
-    return condition
-
-
-@dataclass(frozen=True)
-class Mount:
-    """One MuJoCo element that is written when the object or the target moves.
-
-    `kind` is "free" (a body with a free joint), "body" (a body fixed in the world) or "site"; `offset` in metres is
-    added to the position; `yaw` in radians is the stock orientation of a free body.
-    """
-
-    kind: str
-    name: str
-    offset: Vector = (0.0, 0.0, 0.0)
-    yaw: float = 0.0
-
-
-@dataclass(frozen=True)
-class Grip:
-    """How the phase expert grips: the point and height over the object, effort in [-1, 1], steps spent closing."""
-
-    offset: Vector = (0.0, 0.0, 0.0)  # from the object's point, in the object's frame, metres
-    height: float = 0.03  # hand above the object's point while gripping, metres
-    effort: float = 1.0
-    opening: float = 0.0  # gripper command while approaching
-    closing_steps: int = 8
-
-
-@dataclass(frozen=True)
-class Task:
-    """One of the paper's tasks.
-
-    Positions in metres, angles in radians, speeds per step. `separation` is the least distance in the plane between
-    object and target that a random configuration may have, `clearance` the least that the motions may lead to.
-    """
-
-    name: str
-    title: str  # as in Table 2
-    metaworld: str  # Meta-World's name
-    object_range: Box
-    target_range: Box
-    hand_range: Box
-    camera_range: tuple[float, float]
-    object_mounts: tuple[Mount, ...]
-    target_mounts: tuple[Mount, ...]
-    object_point: str  # the point that experts, motions and keypoints mean by "the object"
-    keypoints: tuple[str, ...]  # after fingers and hand; names as in Scene.point
-    success: Success
-    fixed: SpatialConfiguration  # what is not randomised stays here
-    grip: Grip
-    yaw_range: tuple[float, float] = (0.0, 0.0)
-    separation: float = 0.15
-    clearance: float = 0.12
-    object_steps: int = 30  # the object moves for this many steps, unless it is grasped before
-    target_steps: int = 90  # the target moves from the grasp until this step
-    target_dimensions: int = 3  # 2: moves in the table's plane
-    timesteps: int = 20_000  # Table 5
-
-    def allows(self, configuration: SpatialConfiguration, distance: float) -> bool:
-        """Whether object and target are at least `distance` metres apart in the plane."""
-        return math.dist(configuration.object_position[:2], configuration.target_position[:2]) >= distance
-
-    def sample(self, rng: np.random.Generator, factors: str = "all") -> SpatialConfiguration:
-        """Draw a configuration: the `factors` (a key of FACTORS) are random, the rest is the task's fixed one.
-
-        Raises:
-            BadInput: unknown factors, or no allowed configuration in a thousand draws.
-        """
-        if factors not in FACTORS:
-            raise BadInput(f"factors: {factors!r} given; allowed are {', '.join(FACTORS)}")
-        free, fixed = FACTORS[factors], self.fixed
-        for _ in range(MAX_DRAWS):
-            drawn = SpatialConfiguration(
-                object_position=self.object_range.sample(rng),
-                target_position=self.target_range.sample(rng) if "target" in free else fixed.target_position,
-                hand_position=self.hand_range.sample(rng) if "hand" in free else fixed.hand_position,
-                camera_angle=float(rng.uniform(*self.camera_range)) if "camera" in free else fixed.camera_angle,
-                object_yaw=float(rng.uniform(*self.yaw_range)),
-            )
-            if self.allows(drawn, self.separation):
-                return drawn
-        raise BadInput(f"{self.name}: no configuration has object and target {self.separation} m apart")
-
+__all__ = ["FACTORS", "TASKS", "Task", "get_task"]
 
 WIDE_HAND = Box((-0.3, 0.5, 0.2), (0.3, 0.6, 0.4))
+NO_TARGET = Box((0.0, 0.8, 0.0), (0.0, 0.8, 0.0))
+HALF_CIRCLE = (0.0, math.pi)  # camera angles
+SIDE = (-math.pi / 3, 2 * math.pi / 3)  # camera angles
+WRENCH = ("site:RoundNut", "site:RoundNut-8", "body:peg+0,0,0.05")  # ring, handle, top of the peg
+
+
+def _start(object_position: tuple, target_position: tuple = NO_TARGET.low) -> SpatialConfiguration:
+    """What stands where when it is not randomised: Meta-World's hand, the camera at 60 degrees."""
+    return SpatialConfiguration(object_position, target_position, (0.0, 0.6, 0.2), math.pi / 3)
+
 
 PICK_PLACE = Task(
     name="pick-place",
@@ -136,17 +36,231 @@ PICK_PLACE = Task(
     object_range=Box((-0.2, 0.5, 0.02), (0.1, 0.8, 0.02)),
     target_range=Box((-0.1, 0.8, 0.05), (0.1, 0.9, 0.3)),
     hand_range=WIDE_HAND,
-    camera_range=(0.0, math.pi),
+    camera_range=HALF_CIRCLE,
     object_mounts=(Mount("free", "obj"),),
     target_mounts=(Mount("site", "goal"),),
     object_point="body:obj",
     keypoints=("body:obj", "target"),
     success=near("body:obj", "target", 0.07),
-    fixed=SpatialConfiguration((-0.05, 0.65, 0.02), (0.1, 0.85, 0.2), (0.0, 0.6, 0.2), math.pi / 3),
+    fixed=_start((-0.05, 0.65, 0.02), (0.1, 0.85, 0.2)),
     grip=Grip(offset=(-0.005, 0.0, 0.0)),
 )
 
-TASKS = {task.name: task for task in (PICK_PLACE,)}
+PUSH = Task(
+    name="push",
+    title="Push",
+    metaworld="push-v3",
+    object_range=Box((-0.2, 0.5, 0.0194), (0.1, 0.8, 0.0194)),
+    target_range=Box((-0.1, 0.8, 0.01), (0.1, 0.9, 0.02)),
+    hand_range=WIDE_HAND,
+    camera_range=SIDE,
+    object_mounts=(Mount("free", "obj"),),
+    target_mounts=(Mount("site", "goal"),),
+    object_point="body:obj",
+    keypoints=("body:obj", "target"),
+    success=near("body:obj", "target", 0.05),
+    fixed=_start((-0.05, 0.65, 0.0194), (0.1, 0.85, 0.015)),
+    grip=Grip(offset=(-0.005, 0.0, 0.0)),
+    target_dimensions=2,
+)
+
+ASSEMBLY = Task(
+    name="assembly",
+    title="Assembly",
+    metaworld="assembly-v3",
+    object_range=Box((-0.35, 0.5, 0.019), (0.0, 0.7, 0.019)),
+    target_range=Box((-0.3, 0.75, 0.1), (0.15, 0.9, 0.1)),  # the top of the peg
+    hand_range=WIDE_HAND,
+    camera_range=HALF_CIRCLE,
+    object_mounts=(Mount("free", "RoundNut", yaw=math.pi / 2),),
+    target_mounts=(Mount("body", "peg", offset=(0.0, 0.0, -0.05)),),
+    object_point="site:RoundNut-8",
+    keypoints=WRENCH,
+    success=around("site:RoundNut", "target", 0.02),
+    fixed=_start((-0.15, 0.6, 0.019), (0.1, 0.85, 0.1)),
+    grip=Grip(offset=(-0.02, 0.0, 0.0), height=0.04, effort=0.9),
+    yaw_range=(-math.pi / 3, math.pi / 3),
+    turns_gripper=True,
+    separation=0.10,
+    clearance=0.10,
+    reachable=reach.wrench_clear_of_target(length=0.17, ring=0.05, ring_gap=0.09, handle_gap=0.06),
+    object_steps=20,
+    target_dimensions=2,
+    placed_point="site:RoundNut",
+    freeze_distance=0.05,
+    jump_clearance=0.10,
+)
+
+BOX_CLOSE = Task(
+    name="box-close",
+    title="Box-Close",
+    metaworld="box-close-v3",
+    object_range=Box((-0.3, 0.4, -0.059), (0.3, 0.5, -0.059)),  # the lid's root, below the table while it lies there
+    target_range=Box((-0.25, 0.75, 0.133), (0.25, 0.85, 0.133)),
+    hand_range=Box((0.3, 0.5, 0.2), (0.5, 0.6, 0.4)),
+    camera_range=HALF_CIRCLE,
+    object_mounts=(Mount("free", "boxbodytop", yaw=math.pi / 2),),
+    target_mounts=(Mount("body", "boxbody", offset=(0.0, 0.0, -0.133)), Mount("site", "goal")),
+    object_point="body:top_link",
+    keypoints=("body:top_link+0,0.05,0.082", "body:top_link+0,-0.05,0.082", "body:boxbody"),  # ends of the lid's handle
+    success=near("body:top_link", "target", 0.08),
+    fixed=_start((0.0, 0.45, -0.059), (0.0, 0.8, 0.133)),
+    grip=Grip(height=0.065),
+    yaw_range=(-math.pi / 4, math.pi / 4),
+    yaw_speed_scale=0.1,
+    separation=0.25,
+    clearance=0.25,
+    target_dimensions=2,
+    timesteps=100_000,
+)
+
+HAMMER = Task(
+    name="hammer",
+    title="Hammer",
+    metaworld="hammer-v3",
+    object_range=Box((-0.3, 0.4, 0.0284), (0.3, 0.5, 0.0284)),
+    target_range=Box((-0.24, 0.87, 0.0), (0.24, 0.95, 0.0)),  # the box with the nail
+    hand_range=Box((-0.4, 0.4, 0.1), (0.4, 0.6, 0.4)),
+    camera_range=HALF_CIRCLE,
+    object_mounts=(Mount("free", "hammerbody"),),
+    target_mounts=(Mount("body", "box"),),
+    object_point="body:hammer",
+    keypoints=("body:hammer", "geom:HammerHead", "body:nail_link", "body:box"),
+    success=joint_beyond("NailSlideJoint", 0.09),
+    strict_success=both(joint_beyond("NailSlideJoint", 0.09), touching("body:hammer-HammerHandle", "body:nail_link")),
+    fixed=_start((0.0, 0.45, 0.0284), (0.2, 0.9, 0.0)),
+    grip=Grip(
+        offset=(-0.04, 0.0, 0.0), height=0.035, effort=0.9,
+        otherwise=tuple((along, 0.0, 0.0) for along in (-0.01, 0.02, 0.05, -0.07, -0.1)),
+    ),
+    yaw_range=(-math.pi / 3, math.pi / 3),
+    yaw_speed_scale=0.1,
+    turns_gripper=True,
+    reachable=reach.beyond((0.16, -0.07, 0.0), 0.27),  # the head is clear of the robot's pedestal
+    target_steps=80,
+    target_dimensions=2,
+    target_point="body:nail_link",
+    placed_point="geom:HammerHead",
+    freeze_distance=0.16,
+    jump_clearance=0.25,
+)
+
+PICK_PLACE_WALL = Task(
+    name="pick-place-wall",
+    title="Pick-Place-Wall",
+    metaworld="pick-place-wall-v3",
+    object_range=Box((-0.2, 0.5, 0.0194), (0.1, 0.68, 0.0194)),
+    target_range=Box((-0.1, 0.8, 0.05), (0.1, 0.9, 0.3)),
+    hand_range=WIDE_HAND,
+    camera_range=HALF_CIRCLE,
+    object_mounts=(Mount("free", "obj"),),
+    target_mounts=(Mount("site", "goal"),),
+    object_point="body:obj",
+    keypoints=("body:obj", "target", "body:wall"),
+    success=near("body:obj", "target", 0.07),
+    fixed=_start((-0.05, 0.59, 0.0194), (0.1, 0.85, 0.2)),
+    grip=Grip(offset=(-0.005, 0.0, 0.0)),
+)
+
+WINDOW_OPEN = Task(
+    name="window-open",
+    title="Window-Open",
+    metaworld="window-open-v3",
+    object_range=Box((-0.1, 0.6, 0.16), (0.1, 0.9, 0.16)),
+    target_range=NO_TARGET,
+    hand_range=Box((-0.3, 0.45, 0.2), (0.3, 0.55, 0.4)),
+    camera_range=SIDE,
+    object_mounts=(Mount("body", "window", joint="window_slide"), Mount("site", "goal", offset=(0.2, 0.0, 0.0))),
+    target_mounts=(),
+    object_point="site:handleOpenStart",
+    keypoints=("site:handleOpenStart", "body:window", "body:window+0.2,0,0"),
+    success=joint_beyond("window_slide", 0.19),  # 5 cm short of 0.24 m
+    fixed=_start((0.0, 0.7, 0.16)),
+    grip=Press("window", offset=(-0.03, 0.02, -0.07), stroke=(0.1, 0.0, 0.0), above=0.33,
+               joint="window_slide", enough=0.2),
+    yaw_range=(-math.pi / 3, math.pi / 2),
+    reachable=reach.within_arm(0.86, (-0.07, -0.115, 0.0), (0.12, -0.125, 0.0)),  # the hand, closed and open
+    object_steps=35,
+    timesteps=5_000,
+)
+
+FAUCET_OPEN = Task(
+    name="faucet-open",
+    title="Faucet-Open",
+    metaworld="faucet-open-v3",
+    object_range=Box((-0.2, 0.6, 0.0), (0.2, 0.85, 0.0)),
+    target_range=NO_TARGET,
+    hand_range=WIDE_HAND,
+    camera_range=(-math.pi / 2, math.pi / 2),
+    object_mounts=(
+        Mount("body", "faucetBase", joint="knob_Joint_1"),
+        Mount("site", "goal_open", offset=(0.175, 0.0, 0.125)),
+        Mount("site", "goal_close", offset=(-0.175, 0.0, 0.125)),
+    ),
+    target_mounts=(),
+    object_point="site:handleStartOpen",
+    keypoints=("site:handleStartOpen", "body:faucet_link2", "body:faucetBase+0.175,0,0.125"),
+    success=near("site:handleStartOpen", "body:faucetBase+0.215,0,0.105", 0.07),
+    fixed=_start((0.0, 0.725, 0.0)),
+    grip=Press("faucet_link2", offset=(-0.04, 0.0, 0.02), stroke=(0.1, 0.0, 0.0), above=0.1,
+               joint="knob_Joint_1", enough=1.35, lost=0.08),
+    yaw_range=(-math.pi, 0.0),
+    reachable=reach.within_arm(0.95, (-0.055, -0.175, 0.0)),  # where the hand starts its stroke
+    object_steps=35,
+    timesteps=5_000,
+)
+
+DISASSEMBLE = Task(
+    name="disassemble",
+    title="Disassembly",
+    metaworld="disassemble-v3",
+    object_range=Box((-0.35, 0.5, 0.019), (0.1, 0.7, 0.019)),
+    target_range=NO_TARGET,
+    hand_range=WIDE_HAND,
+    camera_range=SIDE,
+    object_mounts=(
+        Mount("free", "RoundNut", yaw=math.pi / 2),
+        Mount("body", "peg", offset=(0.0, 0.0, 0.036)),  # the peg rides with the nut
+    ),
+    target_mounts=(),
+    object_point="site:RoundNut-8",
+    keypoints=WRENCH,
+    success=higher("site:RoundNut-8", 0.175),
+    fixed=_start((-0.125, 0.6, 0.019)),
+    grip=Grip(offset=(-0.02, 0.0, 0.0), height=0.04, effort=0.9),
+    yaw_range=(-math.pi / 3, math.pi / 2),
+    turns_gripper=True,
+    object_steps=20,
+)
+
+BASKETBALL = Task(
+    name="basketball",
+    title="Basketball",
+    metaworld="basketball-v3",
+    object_range=Box((-0.3, 0.5, 0.0299), (0.3, 0.7, 0.0299)),
+    target_range=Box((-0.3, 0.8, 0.0), (0.3, 0.9, 0.0)),  # the stand of the basket
+    hand_range=WIDE_HAND,
+    camera_range=SIDE,
+    object_mounts=(Mount("free", "bsktball"),),
+    target_mounts=(Mount("body", "basket_goal"),),
+    object_point="body:bsktball",
+    keypoints=("body:bsktball", "body:hooplink"),
+    success=in_hoop("body:bsktball", "body:hooplink", height=0.3, distance=0.08),
+    fixed=_start((0.0, 0.55, 0.0299), (0.0, 0.9, 0.0)),
+    grip=Grip(height=0.035, effort=0.6, opening=-1.0),
+    reachable=reach.apart_from((0.0, -0.083, 0.0), 0.15),  # the ball is not under the hoop
+    target_steps=140,
+    target_dimensions=2,
+    target_point="body:hooplink",
+    jump_clearance=0.15,
+)
+
+TASKS = {
+    task.name: task
+    for task in (PICK_PLACE, PUSH, ASSEMBLY, BOX_CLOSE, HAMMER, PICK_PLACE_WALL, WINDOW_OPEN, FAUCET_OPEN,
+                 DISASSEMBLE, BASKETBALL)
+}
+"""In the order of Table 2."""
 
 
 def get_task(name: str) -> Task:
