@@ -15,12 +15,14 @@ import numpy as np
 import torch
 from pydantic import BaseModel, ConfigDict, Field
 
+from move.errors import BadInput
 from move.learn.diffusion import DiffusionPolicy
 from move.sim.configuration import SpatialConfiguration
+from move.sim.experts import Expert as ScriptedExpert
 from move.sim.experts import make_expert
 from move.sim.protocols import circle_points, sparse_points
 from move.sim.scene import EPISODE_STEPS, SUCCESS_STEPS, Scene
-from move.sim.tasks import Task
+from move.sim.task import Task
 
 CONFIGURATION_STREAM = 2  # first word of the seed of the configurations
 PLAY_STREAM = 3  # first word of the seed of a player's own randomness
@@ -155,6 +157,32 @@ class Expert:
         return np.stack([self.experts[number].action(scenes[number])[None] for number in running])
 
 
+class GoalBlind(Expert):
+    """The floor: the phase expert, told that the target is at the middle of its range; scored on the true target.
+
+    Raises:
+        BadInput: a task without a target.
+    """
+
+    def __init__(self) -> None:
+        super().__init__("phase")
+
+    def start(self, scenes: list[Scene]) -> None:
+        """Call one expert for each episode."""
+        if not scenes[0].task.has_target:
+            raise BadInput(f"goal-blind: {scenes[0].task.name} has no target; allowed are tasks with one")
+        super().start(scenes)
+
+    def act(self, running: list[int], scenes: list[Scene], observations: None) -> np.ndarray:
+        """What the experts would do if the target were in the middle."""
+        return np.stack([self._mistaken(self.experts[number], scenes[number])[None] for number in running])
+
+    @staticmethod
+    def _mistaken(expert: ScriptedExpert, scene: Scene) -> np.ndarray:
+        with scene.pretending(scene.task.target_range.centre):
+            return expert.action(scene)
+
+
 def _play_seed(seed: int) -> int:
     return int(np.random.SeedSequence([PLAY_STREAM, seed]).generate_state(1)[0])
 
@@ -176,7 +204,8 @@ def evaluate(
 
     Returns:
         One row an episode: trial (number), group, object_x and object_y (metres), success (at least one successful
-        step, Meta-World's rule), success_steps (10 is the authors' rule for a demonstration), steps.
+        step, Meta-World's rule), success_steps (10 is the authors' rule for a demonstration), steps; for a task with a
+        strict condition strict_success as well.
     """
     listed, rows = trials(task, evaluation), []
     for first in range(0, len(listed), together):
@@ -222,5 +251,6 @@ def _execute(scene: Scene, actions: np.ndarray, successes: int, window: list[np.
 
 def _row(number: int, trial: Trial, scene: Scene, successes: int) -> dict:
     x, y, _ = trial.configuration.object_position
-    return {"trial": number, "group": trial.group, "object_x": x, "object_y": y, "success": successes > 0,
-            "success_steps": successes, "steps": scene.steps}
+    row = {"trial": number, "group": trial.group, "object_x": x, "object_y": y, "success": successes > 0,
+           "success_steps": successes, "steps": scene.steps}
+    return row | {"strict_success": scene.strict_steps > 0} if scene.task.strict_success else row

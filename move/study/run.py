@@ -10,7 +10,7 @@ from pathlib import Path
 
 import torch
 
-from move.learn.evaluate import Expert, Nothing, Player, PolicyPlayer, Random, evaluate
+from move.learn.evaluate import Expert, GoalBlind, Nothing, Player, PolicyPlayer, Random, evaluate
 from move.learn.train import train
 from move.paths import RUNS
 from move.sim.collect import collect
@@ -47,7 +47,8 @@ def run(spec: RunSpec, folder: Path, on_progress: OnProgress | None = None) -> R
 
 
 def _player(spec: RunSpec, report: OnProgress, seconds: dict[str, float]) -> tuple[Player, dict | None, dict | None]:
-    controls = {"nothing": Nothing, "random": lambda: Random(spec.seed), "expert": lambda: Expert("phase")}
+    controls = {"nothing": Nothing, "random": lambda: Random(spec.seed), "expert": lambda: Expert("phase"),
+                "goal-blind": GoalBlind}
     if spec.player != "policy":
         return controls[spec.player](), None, None
     started = time.perf_counter()

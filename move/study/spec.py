@@ -27,7 +27,7 @@ class RunSpec(BaseModel):
 
     task: str
     seed: int = Field(ge=0)
-    player: Literal["policy", "nothing", "random", "expert"] = "policy"
+    player: Literal["policy", "nothing", "random", "expert", "goal-blind"] = "policy"
     collection: Collection | None = None
     training: Training | None = None
     evaluation: Evaluation = Evaluation()
