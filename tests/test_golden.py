@@ -15,9 +15,9 @@ from move.sim.tasks import get_task
 
 TIMESTEPS = 2000
 COLLECTED = {
-    ("static", "random", "all"): "6283d4e7a25bdf39",
-    ("adc", "random", "all"): "beb93a25d3bfc209",
-    ("move", "random", "all"): "1af22607cf335eaf",
+    ("static", "random", "all"): "eeaac44e8415cc9d",
+    ("adc", "random", "all"): "588937c88c04fe7a",
+    ("move", "random", "all"): "ed3a091c8df3b2f2",
     ("static", "sparse", "object"): "b039d37a76b96f06",
     ("static", "dense", "object"): "3d40d9d3e8bd563c",
     ("static", "circle", "object"): "aa987692ba0427b0",
@@ -25,7 +25,7 @@ COLLECTED = {
     ("move", "dense", "object"): "7f6310a1f7aa7175",
     ("move", "circle", "object"): "efc0d163bda8731a",
     ("move", "random", "object"): "cda932b342b1c18a",
-    ("adc", "random", "object+target"): "4fa6297e7a663fcb",
+    ("adc", "random", "object+target"): "f1d6e24da281ed0a",
 }
 TRIED = {
     ("random", "none", "object"): "eb25aad946bf99a5",
