@@ -1,13 +1,14 @@
 """The scene: a Meta-World task whose spatial configuration is set on reset and can be moved while it runs.
 
-With `world.py` the only file that touches MuJoCo's model and data. Meta-World supplies the model, its starting pose and
-the limits of the hand; stepping, success and observation happen here, without Meta-World's rewards and samplers.
+With `world.py` and `readable.py` the only file that touches MuJoCo's model and data. Meta-World supplies the model,
+its starting pose and the limits of the hand; stepping, success and observation happen here, without Meta-World's
+rewards and samplers.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
@@ -19,10 +20,11 @@ from gymnasium.spaces import Box as BoxSpace
 
 from move.errors import BadInput
 from move.sim.configuration import SpatialConfiguration, Vector
-from move.sim.geometry import limited, wrapped
-from move.sim.observe import LANDMARKS, keypoint_names, keypoint_slices, keypoints
+from move.sim.geometry import limited
+from move.sim.observe import keypoint_names, keypoint_slices, keypoints
+from move.sim.readable import Readable
 from move.sim.tasks import Task, get_task
-from move.sim.world import LEFT, OBJECT, PALM, RIGHT, shared_world, stands, yaw_of
+from move.sim.world import LEFT, OBJECT, PALM, RIGHT, shared_world, stands
 
 OBSERVATIONS = ("keypoints", "rgb")
 EPISODE_STEPS = 200  # the authors' limit
@@ -36,7 +38,7 @@ REACH = 0.3  # metres between hand and object beyond which contacts are not look
 DOWN = np.array([1.0, 0.0, 1.0, 0.0]) / np.sqrt(2.0)  # orientation of a hand that points down, at yaw 0
 
 
-class Scene(gymnasium.Env):
+class Scene(Readable, gymnasium.Env):
     """A task of the paper as a Gymnasium environment whose object, target and camera can be moved at any time.
 
     Actions are four numbers in [-1, 1]: three displacements of the hand's goal (1 = 0.01 m) and the gripper's effort;
@@ -60,13 +62,9 @@ class Scene(gymnasium.Env):
                  render_mode: str | None = None) -> None:
         if observation not in OBSERVATIONS:
             raise BadInput(f"observation: {observation!r} given; allowed are {', '.join(OBSERVATIONS)}")
-        self.task = task if isinstance(task, Task) else get_task(task)
+        task, self._target = task if isinstance(task, Task) else get_task(task), np.zeros(3)
+        super().__init__(task, shared_world(task), self._target)
         self.observation, self.image_size, self.render_mode = observation, image_size, render_mode
-        self._world = shared_world(self.task)
-        self._model, self._data = self._world.model, mujoco.MjData(self._world.model)
-        self._target = np.zeros(3)
-        self._touching: dict[str, frozenset[int]] = {}
-        self._points: dict[str, np.ndarray | Callable[[], np.ndarray]] = {"target": self._target}
         self._keypoint_names = keypoint_names(self.task.keypoints)
         self.keypoint_slices = keypoint_slices(self.task.keypoints)
         self.action_space = BoxSpace(-1.0, 1.0, (self.task.action_size,), np.float32)
@@ -222,90 +220,14 @@ class Scene(gymnasium.Env):
     # reading -------------------------------------------------------------------------------------------------------
 
     @property
-    def configuration(self) -> SpatialConfiguration:
-        """The configuration as last set: object and target where they were put, the camera where it is."""
-        return self._configuration
-
-    @property
-    def hand(self) -> np.ndarray:
-        """Position of the hand, shape (3,), metres."""
-        return self.point("body:hand")
-
-    @property
     def hand_limits(self) -> tuple[Vector, Vector]:
         """Lowest and highest position of the hand's goal, metres."""
         return tuple(self._world.hand_low), tuple(self._world.hand_high)
 
     @property
-    def hand_yaw(self) -> float:
-        """Yaw of the hand as it is, radians; `gripper_yaw` is where it should be."""
-        matrix = self._orientation("hand")
-        return math.atan2(-matrix[1], matrix[4])
-
-    @property
-    def object_yaw(self) -> float:
-        """Yaw of the object as it lies or is held, relative to Meta-World's pose, radians."""
-        mount = self.task.object_mounts[0]
-        return wrapped(self.body_yaw(mount.name) - mount.yaw)
-
-    def body_yaw(self, name: str) -> float:
-        """Yaw of a named body, radians."""
-        return yaw_of(self._orientation(name))
-
-    def _orientation(self, body: str) -> np.ndarray:
-        """Rotation matrix of a body, nine numbers row by row; a live view."""
-        name = f"orientation:{body}"
-        if name not in self._points:
-            self._points[name] = self._data.xmat[self._model.body(body).id]
-        return self._points[name]
-
-    def joint(self, name: str) -> float:
-        """Position of a named hinge or slide, radians or metres."""
-        return float(self._data.qpos[self._world.hinge_or_slide(name)[0]])
-
-    def touches(self, first: str, second: str) -> bool:
-        """Whether two of "body:NAME" or "body:NAME-GEOM" (without what is at GEOM's place) are in contact."""
-        one, other = (self._geoms(name) for name in (first, second))
-        return any((a in one and b in other) or (b in one and a in other) for a, b in self._data.contact.geom.tolist())
-
-    def _geoms(self, name: str) -> frozenset[int]:
-        if name not in self._touching:
-            self._touching[name] = self._world.geoms(name)
-        return self._touching[name]
-
-    @property
-    def opening(self) -> float:
-        """Opening of the gripper from 0 to 1, as Meta-World observes it."""
-        gap = self.point("body:rightclaw") - self.point("body:leftclaw")
-        return float(min(1.0, max(0.0, np.sqrt(gap @ gap) / 0.1)))
-
-    def point(self, name: str) -> np.ndarray:
-        """Position of a named point, shape (3,), metres: "target", "body:NAME", "site:NAME", "geom:NAME".
-
-        "body:NAME+x,y,z" is the point at that offset in the body's frame. The array may be a live view: copy it to
-        keep it.
-        """
-        if name not in self._points:
-            self._points[name] = self._view(name)
-        found = self._points[name]
-        return found() if callable(found) else found
-
-    def _view(self, name: str) -> np.ndarray | Callable[[], np.ndarray]:
-        if name in LANDMARKS:
-            return np.array(LANDMARKS[name])
-        kind, element = name.split(":")
-        if kind == "site":
-            return self._data.site_xpos[self._model.site(element).id]
-        if kind == "geom":
-            return self._data.geom_xpos[self._model.geom(element).id]
-        element, _, offset = element.partition("+")
-        position = self._data.xpos[self._model.body(element).id]
-        return self._attached(element, position, offset) if offset else position
-
-    def _attached(self, body: str, position: np.ndarray, offset: str) -> Callable[[], np.ndarray]:
-        matrix = self._orientation(body).reshape(3, 3)
-        vector = np.array([float(value) for value in offset.split(",")])
-        return lambda: position + matrix @ vector
+    def configuration(self) -> SpatialConfiguration:
+        """The configuration as last set: object and target where they were put, the camera where it is."""
+        return self._configuration
 
     def keypoints(self) -> np.ndarray:
         """The keypoint vector in the camera's frame, float32, metres; `keypoint_slices` names its parts."""

@@ -1,6 +1,6 @@
 """A task's compiled MuJoCo model, shared by all its scenes, and the addresses of what is moved in it.
 
-With `scene.py` the only place that touches MuJoCo.
+With `scene.py` and `readable.py` the only place that touches MuJoCo.
 """
 
 from __future__ import annotations
