@@ -26,7 +26,8 @@ def one_thread():
 
 
 def settings(**changes) -> Training:
-    tiny = {"gradient_steps": 6, "warmup_steps": 2, "batch_size": 8, "mlp_width": 16, "mlp_depth": 1}
+    tiny = {"gradient_steps": 6, "warmup_steps": 2, "batch_size": 8, "mlp_width": 16, "mlp_depth": 1,
+            "precision": "float32"}
     return Training.keypoints(**{**tiny, **changes})
 
 
@@ -80,7 +81,7 @@ def test_it_reproduces_actions_that_are_a_function_of_keypoints(target):
 
 
 def test_it_reproduces_actions_that_are_a_function_of_images():
-    plan = image_settings(gradient_steps=300, batch_size=32, mlp_width=64, crop_pixels=None, cnn_widths=(8,),
+    plan = image_settings(gradient_steps=300, batch_size=32, mlp_width=64, crop_pixels=None, cnn_width=8,
                           cnn_blocks=1, cnn_points=8, learning_rate=3e-3)
     policy, _ = train(images(), plan, seed=0)
     assert error_at_the_data(policy, images()) < 0.1
@@ -275,6 +276,11 @@ def test_bfloat16_trains_about_as_float32_does(monkeypatch, data, plan):
     _, full = train(data, plan(precision="float32"), 0)
     assert half.precision == "bfloat16"
     assert half.curve[-1][1] == pytest.approx(full.curve[-1][1], rel=0.05)
+
+
+def test_the_profiles_can_be_made():
+    assert Training.keypoints().encoder == "keypoints" and Training.image_laptop().crop_pixels == 88
+    assert Training.paper().executed == slice(1, 4)
 
 
 def test_images_for_a_keypoint_policy_are_refused():

@@ -48,7 +48,7 @@ class Training(BaseModel):
     ema_power: PositiveFloat = Field(0.75, description="decay of the averaged weights is 1 - (1 + step)^-power ...")
     ema_decay: float = Field(0.9999, ge=0, lt=1, description="... but never above this")
     crop_pixels: PositiveInt | None = Field(None, description="side of the crop, random in training, pixels; or none")
-    cnn_widths: Widths = Field((16, 32), description="channels of small_cnn after each halving of the resolution")
+    cnn_width: PositiveInt = Field(32, description="channels of small_cnn")
     cnn_blocks: NonNegativeInt = Field(2, description="residual blocks of small_cnn")
     cnn_points: PositiveInt = Field(32, description="points that the spatial softmax locates")
     mlp_width: PositiveInt = Field(256, description="features of the MLP denoiser")
@@ -117,15 +117,14 @@ class Training(BaseModel):
 
 
 KEYPOINTS = dict(
-    encoder="keypoints", denoiser="mlp", gradient_steps=3000, batch_size=128, learning_rate=1e-3,
-    warmup_steps=200, ema_decay=0.999, mlp_width=256, mlp_depth=3,
+    encoder="keypoints", denoiser="mlp", gradient_steps=3000, batch_size=128, learning_rate=2e-3, weight_decay=1e-6,
+    warmup_steps=200, ema_decay=0.999, mlp_width=256, mlp_depth=2, precision="bfloat16",
 )
-
 IMAGE_LAPTOP = dict(
     encoder="small_cnn", denoiser="mlp", gradient_steps=5000, batch_size=64, learning_rate=1e-3, weight_decay=1e-4,
-    warmup_steps=200, ema_decay=0.999, crop_pixels=88, mlp_width=256, mlp_depth=2, precision="bfloat16",
+    warmup_steps=200, ema_decay=0.999, crop_pixels=88, cnn_width=32, cnn_blocks=2, cnn_points=32,
+    mlp_width=256, mlp_depth=2, precision="bfloat16",
 )
-
 PAPER = dict(
     encoder="resnet18", denoiser="unet", gradient_steps=220_000, batch_size=128, learning_rate=1e-4, weight_decay=1e-6,
     warmup_steps=500, ema_decay=0.9999, crop_pixels=80, unet_widths=(512, 1024, 2048), precision="float32",

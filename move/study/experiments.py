@@ -59,11 +59,9 @@ def fig1_sparse(
 
 @checked
 def keypoint_control(
-    profile: str = "laptop", timesteps: list[Count] = None, seeds: Count = 5, episodes: Count = 100
+    profile: str = "laptop", timesteps: tuple[Count, ...] = (1250, 2500, 5000), seeds: Count = 5, episodes: Count = 100
 ) -> list[RunSpec]:
     """Pick-Place with all factors random and perception given: three methods at several budgets, and the expert."""
-    if timesteps is None:
-        timesteps = [1250, 2500, 5000]
     settings = load_profile(profile)
     evaluation = Evaluation(episodes=episodes)
     policies = [
@@ -109,4 +107,5 @@ def specs(experiment: str, profile: str) -> list[RunSpec]:
     Raises:
         BadInput: an unknown experiment, profile or parameter, or a value that is not allowed.
     """
-    return EXPERIMENTS[experiment](**parameters(experiment, profile))
+    chosen = parameters(experiment, profile)
+    return EXPERIMENTS[experiment](**chosen)

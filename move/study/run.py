@@ -23,15 +23,18 @@ OnProgress = Callable[[str, int, int], None]
 """Called with the part of the run, what is done of it and how much there is."""
 
 
-def run(spec: RunSpec, folder: Path, on_progress: OnProgress | None = None) -> Result:
+def run(
+    spec: RunSpec, folder: Path, on_progress: OnProgress | None = None, scratch: Path | None = None
+) -> Result:
     """Compute `spec` on one thread and store its result in `folder`; an interrupted training goes on.
 
-    Demonstrations are not kept: the spec and the seed make the same ones again.
+    Checkpoints go to `scratch`, by default build/runs/. Demonstrations are not kept: the spec and the seed make the
+    same ones again.
     """
     torch.set_num_threads(1)
     report = on_progress or (lambda part, done, total: None)
     seconds: dict[str, float] = {}
-    player, collected, trained = _player(spec, report, seconds)
+    player, collected, trained = _player(spec, report, seconds, scratch or RUNS)
     started = time.perf_counter()
     rows = evaluate(
         player, get_task(spec.task), spec.evaluation,
@@ -46,7 +49,9 @@ def run(spec: RunSpec, folder: Path, on_progress: OnProgress | None = None) -> R
     return result
 
 
-def _player(spec: RunSpec, report: OnProgress, seconds: dict[str, float]) -> tuple[Player, dict | None, dict | None]:
+def _player(
+    spec: RunSpec, report: OnProgress, seconds: dict[str, float], scratch: Path
+) -> tuple[Player, dict | None, dict | None]:
     controls = {"nothing": Nothing, "random": lambda: Random(spec.seed), "expert": lambda: Expert("phase")}
     if spec.player != "policy":
         return controls[spec.player](), None, None
@@ -54,7 +59,7 @@ def _player(spec: RunSpec, report: OnProgress, seconds: dict[str, float]) -> tup
     demonstrations, record = collect(spec.collection, spec.seed, lambda done, total: report("collect", done, total))
     seconds["collect"] = time.perf_counter() - started
     policy, trained = train(
-        demonstrations, spec.training, spec.seed, checkpoint=RUNS / spec.hash,
+        demonstrations, spec.training, spec.seed, checkpoint=scratch / spec.hash,
         on_step=lambda done, total, loss: report("train", done, total),
     )
     seconds["train"] = trained.seconds
