@@ -136,7 +136,7 @@ def evaluate(
     import numpy as np
 
     from move.learn import evaluate as evaluating
-    from move.learn.train import load_policy
+    from move.learn.checkpoint import load_policy
     from move.sim.tasks import FACTORS, get_task
     from move.study.statistics import success_rate
 

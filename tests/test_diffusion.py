@@ -5,6 +5,7 @@ from typing import get_args
 
 import numpy as np
 import pytest
+import recipes
 import torch
 from pydantic import ValidationError
 
@@ -17,12 +18,12 @@ from move.sim.demonstrations import Demonstrations
 
 
 def keypoint_settings(**changes) -> Training:
-    return Training.keypoints(**{"mlp_width": 32, "mlp_depth": 1, **changes})
+    return recipes.keypoints(**{"mlp_width": 32, "mlp_depth": 1, **changes})
 
 
 def image_settings(**changes) -> Training:
     small = {"mlp_width": 32, "cnn_points": 4, "crop_pixels": 28, "precision": "float32"}
-    return Training.image_laptop(**{**small, **changes})
+    return recipes.image_laptop(**{**small, **changes})
 
 
 def generator(seed: int = 0) -> torch.Generator:
@@ -66,11 +67,11 @@ def test_every_name_in_the_settings_can_be_built():
 ])
 def test_impossible_settings_are_refused(message, changes):
     with pytest.raises(ValidationError, match=message):
-        Training.keypoints(**changes)
+        recipes.keypoints(**changes)
 
 
 def test_settings_survive_json():
-    settings = Training.keypoints(denoiser="unet", unet_widths=[16, 32])
+    settings = recipes.keypoints(denoiser="unet", unet_widths=[16, 32])
     assert Training(**settings.model_dump(mode="json")) == settings
     assert Training.model_validate_json(settings.model_dump_json()) == settings
 

@@ -6,12 +6,12 @@ import stat
 
 import numpy as np
 import pytest
+import recipes
 from pydantic import ValidationError
 
 from move import paths
 from move.errors import BadInput
 from move.learn.evaluate import Evaluation, Expert, Nothing, PolicyPlayer, Random, evaluate, trials
-from move.learn.settings import Training
 from move.learn.train import train
 from move.sim.collect import Collection, collect
 from move.sim.configuration import SpatialConfiguration
@@ -21,7 +21,7 @@ from move.study.plan import plan_rows
 from move.study.spec import RunSpec
 
 TASK = get_task("pick-place")
-TINY = Training.keypoints(gradient_steps=5, warmup_steps=1, batch_size=8)
+TINY = recipes.keypoints(gradient_steps=5, warmup_steps=1, batch_size=8)
 
 
 def tiny_spec(**changes) -> RunSpec:
@@ -48,7 +48,7 @@ def stored(tmp_path):
 def test_the_hash_names_the_run():
     assert tiny_spec().hash == tiny_spec().hash
     others = [tiny_spec(seed=1), tiny_spec(method="move"), tiny_spec(evaluation=Evaluation(episodes=3)),
-              tiny_spec(training=Training.keypoints(gradient_steps=6, warmup_steps=1, batch_size=8)),
+              tiny_spec(training=recipes.keypoints(gradient_steps=6, warmup_steps=1, batch_size=8)),
               tiny_spec(results_version=99)]
     assert len({spec.hash for spec in [tiny_spec(), *others]}) == 6
 
@@ -181,7 +181,7 @@ def test_a_failed_run_is_missing_and_the_others_go_on(tmp_path, in_this_process,
 
 
 def test_an_interrupted_run_goes_on_and_ends_the_same(tmp_path, monkeypatch):
-    spec = tiny_spec(training=Training.keypoints(gradient_steps=8, warmup_steps=1, batch_size=8))
+    spec = tiny_spec(training=recipes.keypoints(gradient_steps=8, warmup_steps=1, batch_size=8))
     whole = run.run(spec, tmp_path / "whole")
     monkeypatch.setattr(run, "RUNS", tmp_path / "runs2")
     real = run.train
@@ -231,7 +231,7 @@ def profile_folder(tmp_path, monkeypatch):
     ("training:", "training: [", "not readable as YAML"),
     ("timesteps: 300", "budget: 300", "no parameter budget"),
     ("timesteps: 300", "timesteps: 0", "greater than 0"),
-    ("observation: keypoints", "observation: smell", "rgb"),
+    ("observation: rgb", "observation: smell", "rgb"),
 ])
 def test_a_wrong_profile_is_one_clear_line(profile_folder, old, new, message):
     path = profile_folder / "smoke.yaml"

@@ -7,13 +7,15 @@ import sys
 
 import numpy as np
 import pytest
+import recipes
 import torch
 
 from move.errors import BadInput
 from move.learn import train as train_module
-from move.learn.checkpoint import read
+from move.learn.checkpoint import load_policy, read
 from move.learn.diffusion import DiffusionPolicy
-from move.learn.train import Training, load_policy, precision_used, step_generator, train
+from move.learn.settings import Training
+from move.learn.train import precision_used, step_generator, train
 from move.sim.demonstrations import Demonstrations
 
 
@@ -28,13 +30,13 @@ def one_thread():
 def settings(**changes) -> Training:
     tiny = {"gradient_steps": 6, "warmup_steps": 2, "batch_size": 8, "mlp_width": 16, "mlp_depth": 1,
             "precision": "float32"}
-    return Training.keypoints(**{**tiny, **changes})
+    return recipes.keypoints(**{**tiny, **changes})
 
 
 def image_settings(**changes) -> Training:
     tiny = {"gradient_steps": 6, "warmup_steps": 2, "batch_size": 8, "mlp_width": 16, "crop_pixels": 14,
             "cnn_points": 4, "precision": "float32"}
-    return Training.image_laptop(**{**tiny, **changes})
+    return recipes.image_laptop(**{**tiny, **changes})
 
 
 def keypoints(timesteps: int = 60) -> Demonstrations:
@@ -279,8 +281,8 @@ def test_bfloat16_trains_about_as_float32_does(monkeypatch, data, plan):
 
 
 def test_the_profiles_can_be_made():
-    assert Training.keypoints().encoder == "keypoints" and Training.image_laptop().crop_pixels == 88
-    assert Training.paper().executed == slice(1, 4)
+    assert recipes.keypoints().encoder == "keypoints" and recipes.image_laptop().crop_pixels == 88
+    assert recipes.paper().executed == slice(1, 4)
 
 
 def test_images_for_a_keypoint_policy_are_refused():

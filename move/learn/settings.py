@@ -1,6 +1,6 @@
 """Every number that decides how a policy is built and trained."""
 
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import (
     BaseModel,
@@ -18,11 +18,11 @@ GROUPS = 8  # of every group normalisation
 
 
 class Training(BaseModel):
-    """How to build and train one Diffusion Policy; the defaults without a profile are Table 4 of the paper.
+    """How to build and train one Diffusion Policy; what the paper's Table 4 gives is the default.
 
     Raises pydantic.ValidationError, a ValueError, for an unknown field, a wrong type or an impossible combination.
 
-    >>> Training.keypoints(gradient_steps=100, warmup_steps=10).batch_size
+    >>> Training(encoder="keypoints", denoiser="mlp", gradient_steps=1000).batch_size
     128
     """
 
@@ -99,33 +99,3 @@ class Training(BaseModel):
     def executed(self) -> slice:
         """Which of the predicted timesteps are executed."""
         return slice(self.observation_horizon - 1, self.predicted_horizon)
-
-    @classmethod
-    def keypoints(cls, **changes: Any) -> Self:
-        """Keypoints on a laptop: about ten seconds on one core."""
-        return cls(**{**KEYPOINTS, **changes})
-
-    @classmethod
-    def image_laptop(cls, **changes: Any) -> Self:
-        """Images of 96 pixels on a laptop: about five minutes on one core."""
-        return cls(**{**IMAGE_LAPTOP, **changes})
-
-    @classmethod
-    def paper(cls, **changes: Any) -> Self:
-        """Images of 128 pixels at the paper's own scale (Table 4); needs a GPU."""
-        return cls(**{**PAPER, **changes})
-
-
-KEYPOINTS = dict(
-    encoder="keypoints", denoiser="mlp", gradient_steps=3000, batch_size=128, learning_rate=2e-3, weight_decay=1e-6,
-    warmup_steps=200, ema_decay=0.999, mlp_width=256, mlp_depth=2, precision="bfloat16",
-)
-IMAGE_LAPTOP = dict(
-    encoder="small_cnn", denoiser="mlp", gradient_steps=5000, batch_size=64, learning_rate=1e-3, weight_decay=1e-4,
-    warmup_steps=200, ema_decay=0.999, crop_pixels=88, cnn_width=32, cnn_blocks=2, cnn_points=32,
-    mlp_width=256, mlp_depth=2, precision="bfloat16",
-)
-PAPER = dict(
-    encoder="resnet18", denoiser="unet", gradient_steps=220_000, batch_size=128, learning_rate=1e-4, weight_decay=1e-6,
-    warmup_steps=500, ema_decay=0.9999, crop_pixels=80, unet_widths=(512, 1024, 2048), precision="float32",
-)

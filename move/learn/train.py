@@ -18,13 +18,11 @@ from torch import Tensor
 
 from move.errors import BadInput
 from move.learn import checkpoint as checkpoints
-from move.learn.checkpoint import Checkpoint, load_policy
+from move.learn.checkpoint import Checkpoint
 from move.learn.dataset import window_indices
 from move.learn.diffusion import DiffusionPolicy
 from move.learn.settings import Training
 from move.sim.demonstrations import Demonstrations
-
-__all__ = ["Training", "TrainingReport", "train", "load_policy"]
 
 CURVE_POINTS = 50
 M_TRIM_THRESHOLD, M_MMAP_MAX = -1, -4  # of glibc's malloc.h
@@ -55,7 +53,9 @@ def step_generator(seed: int, step: int) -> torch.Generator:
 def learning_rate(training: Training, step: int) -> float:
     """Linear warm-up, then a half cosine down to 0 after the last step.
 
-    >>> settings = Training.keypoints(gradient_steps=100, warmup_steps=10, learning_rate=1.0)
+    >>> settings = Training(
+    ...     encoder="keypoints", denoiser="mlp", gradient_steps=100, warmup_steps=10, learning_rate=1.0
+    ... )
     >>> [round(learning_rate(settings, step), 3) for step in (0, 4, 9, 10, 55, 99)]
     [0.1, 0.5, 1.0, 1.0, 0.5, 0.0]
     """
@@ -68,7 +68,7 @@ def learning_rate(training: Training, step: int) -> float:
 def average_decay(training: Training, averaged_steps: int) -> float:
     """How much of the averaged weights stays in their next move: 1 - (1 + steps)^-power, capped.
 
-    >>> settings = Training.keypoints()
+    >>> settings = Training(encoder="keypoints", denoiser="mlp", gradient_steps=1000, ema_decay=0.999)
     >>> [round(average_decay(settings, steps), 3) for steps in (0, 1, 15, 100_000)]
     [0.0, 0.405, 0.875, 0.999]
     """

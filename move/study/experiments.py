@@ -94,7 +94,7 @@ def parameters(experiment: str, profile: str) -> dict[str, Any]:
         raise BadInput(f"figure: {experiment!r} given; allowed are {', '.join(EXPERIMENTS)}")
     defaults = {name: parameter.default
                 for name, parameter in inspect.signature(EXPERIMENTS[experiment]).parameters.items()}
-    changed = load_profile(profile).notebooks.get(experiment, {})
+    changed = load_profile(profile).parameters(experiment)
     if unknown := set(changed) - set(defaults):
         raise BadInput(f"profile {profile}: {experiment} has no parameter {', '.join(sorted(unknown))}; "
                        f"allowed are {', '.join(defaults)}")
