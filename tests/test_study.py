@@ -201,6 +201,14 @@ def test_an_interrupted_run_goes_on_and_ends_the_same(tmp_path, monkeypatch):
     assert run.run(spec, tmp_path / "parts").rows == whole.rows
 
 
+def test_a_damaged_checkpoint_is_not_gone_on_from(tmp_path, stored):
+    result, _ = stored
+    scratch = tmp_path / "scratch" / result.spec.hash / "policy"
+    scratch.mkdir(parents=True)
+    (scratch / "run.json").write_text("{")
+    assert run.run(result.spec, tmp_path / "again", scratch=tmp_path / "scratch").rows == result.rows
+
+
 def test_processes_compute_what_this_process_would(tmp_path):
     spec = tiny_spec()
     there, missing = execute.execute([spec], tmp_path, workers=1, quiet=True)

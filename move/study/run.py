@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import time
 from collections.abc import Callable
 from dataclasses import asdict
@@ -10,8 +11,10 @@ from pathlib import Path
 
 import torch
 
+from move.errors import BadInput
+from move.learn.diffusion import DiffusionPolicy
 from move.learn.evaluate import Expert, Nothing, Player, PolicyPlayer, Random, evaluate
-from move.learn.train import train
+from move.learn.train import TrainingReport, train
 from move.paths import RUNS
 from move.sim.collect import collect
 from move.sim.tasks import get_task
@@ -58,10 +61,18 @@ def _player(
     started = time.perf_counter()
     demonstrations, record = collect(spec.collection, spec.seed, lambda done, total: report("collect", done, total))
     seconds["collect"] = time.perf_counter() - started
-    policy, trained = train(
-        demonstrations, spec.training, spec.seed, checkpoint=scratch / spec.hash,
-        on_step=lambda done, total, loss: report("train", done, total),
-    )
+
+    checkpoint = scratch / spec.hash / "policy"
+
+    def go_on() -> tuple[DiffusionPolicy, TrainingReport]:
+        return train(demonstrations, spec.training, spec.seed, checkpoint=checkpoint,
+                     on_step=lambda done, total, loss: report("train", done, total))
+
+    try:
+        policy, trained = go_on()
+    except BadInput:  # the scratch folder holds another version's checkpoint, or a damaged one: begin anew
+        shutil.rmtree(checkpoint)
+        policy, trained = go_on()
     seconds["train"] = trained.seconds
     return PolicyPlayer(policy, spec.seed), asdict(record), asdict(trained)
 
