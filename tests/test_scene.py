@@ -48,6 +48,13 @@ def test_same_seed_same_trajectory_bit_for_bit():
     assert not np.array_equal(rollout(first, seed=7), rollout(second, seed=8))
 
 
+def test_a_used_scene_is_as_good_as_a_new_one():
+    used = Scene()
+    for seed in (1, 2, 3):
+        assert np.array_equal(rollout(used, seed=seed), rollout(Scene(), seed=seed))
+        assert used.point("target") == pytest.approx(used.configuration.target_position)
+
+
 def test_same_configuration_same_trajectory_bit_for_bit():
     configuration = TASK.sample(np.random.default_rng(3))
     options = {"configuration": configuration}

@@ -137,6 +137,7 @@ class Scene(gymnasium.Env):
         self._data.qpos[:] = self._world.start
         self.steps, self.phase, self.touched, self.held, self.success = 0, "pick", False, False, False
         self._configuration = configuration
+        self._world.owner = None  # what stands in the model is the last episode's
         self._claim()
         self._drive_hand(configuration.hand_position)
         self.move_object(configuration.object_position, configuration.object_yaw)
