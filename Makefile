@@ -25,7 +25,7 @@ $(READY): environment.lock environment-cuda.lock pyproject.toml tools/install.py
 	@touch $@
 
 figures: $(READY)  ## run what is missing, then every notebook: all figures and tables
-	$(BIN)/move run --profile $(PROFILE) $(CLUSTER_OPTION)
+	-$(BIN)/move run --profile $(PROFILE) $(CLUSTER_OPTION)  # what fails is shown as missing in its figure
 	$(BIN)/move figure --profile $(PROFILE)
 
 $(NOTEBOOKS): $(READY)

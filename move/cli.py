@@ -1,4 +1,4 @@
-"""The command line: move collect | train | evaluate | run | plan | figure | doctor.
+"""The command line: move collect | train | evaluate | run | plan | verify | figure | doctor.
 
 Bad input ends with one line on standard error and exit code 2; a run that failed ends with exit code 1.
 """
@@ -136,7 +136,7 @@ def evaluate(
     import numpy as np
 
     from move.learn import evaluate as evaluating
-    from move.learn.train import load_policy
+    from move.learn.checkpoint import load_policy
     from move.sim.tasks import FACTORS, get_task
     from move.study.statistics import success_rate
 
@@ -200,6 +200,25 @@ def plan(profile: ProfileName = "laptop", figure: Figure = None, as_json: Json =
 
     rows = plan_rows(profile, chosen_specs(profile, figure))
     show(rows, as_json, f"Profile {profile}: what `move run` would do (core-minutes)")
+
+
+@app.command()
+def verify(
+    profile: ProfileName = "laptop",
+    figure: Figure = None,
+    sample: Annotated[int, typer.Option(min=1, help="how many results to recompute")] = 2,
+    seed: Seed = 0,
+    as_json: Json = False,
+) -> None:
+    """Recompute a random sample of the stored results from nothing and compare."""
+    import numpy as np
+
+    from move import paths
+    from move.study.verify import verify as recompute
+
+    specs = [spec for listed in chosen_specs(profile, figure).values() for spec in listed]
+    rows = recompute(specs, paths.results(profile), sample, np.random.default_rng(seed))
+    show(rows, as_json, "Recomputed")
 
 
 @app.command()

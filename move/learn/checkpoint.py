@@ -31,11 +31,13 @@ class Checkpoint:
     """Training after `step` gradient steps.
 
     tensors: by name "averaged/...", and while unfinished "network/...", "adam/...", "losses" (one a step so far).
+    data: fingerprint of the demonstrations, so that other data are noticed.
     averaged_steps: how often the averaged weights have been moved, which decides their next decay.
     """
 
     training: Training
     seed: int
+    data: str
     observation_shape: tuple[int, ...]
     action_size: int
     step: int

@@ -1,6 +1,6 @@
 """Every number that decides how a policy is built and trained."""
 
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import (
     BaseModel,
@@ -18,17 +18,19 @@ GROUPS = 8  # of every group normalisation
 
 
 class Training(BaseModel):
-    """How to build and train one Diffusion Policy; the defaults without a profile are Table 4 of the paper.
+    """How to build and train one Diffusion Policy; what the paper's Table 4 gives is the default.
 
     Raises pydantic.ValidationError, a ValueError, for an unknown field, a wrong type or an impossible combination.
 
-    >>> Training.keypoints(gradient_steps=100, warmup_steps=10).batch_size
+    >>> Training(encoder="keypoints", denoiser="mlp", gradient_steps=1000).batch_size
     128
     """
 
-    model_config = ConfigDict(frozen=True, strict=True, extra="forbid", hide_input_in_errors=True)
+    model_config = ConfigDict(
+        frozen=True, strict=True, extra="forbid", allow_inf_nan=False, hide_input_in_errors=True
+    )
 
-    encoder: Literal["keypoints", "small_cnn"] = Field(description="from one observation to features")
+    encoder: Literal["keypoints", "small_cnn", "resnet18"] = Field(description="from one observation to features")
     denoiser: Literal["mlp", "unet"] = Field(description="from noisy actions to a prediction")
     target: Literal["sample", "noise"] = Field("sample", description="what the denoiser predicts")
     observation_horizon: PositiveInt = Field(2, description="timesteps observed")
@@ -46,9 +48,9 @@ class Training(BaseModel):
     ema_power: PositiveFloat = Field(0.75, description="decay of the averaged weights is 1 - (1 + step)^-power ...")
     ema_decay: float = Field(0.9999, ge=0, lt=1, description="... but never above this")
     crop_pixels: PositiveInt | None = Field(None, description="side of the crop, random in training, pixels; or none")
-    cnn_widths: Widths = Field((16, 32), description="channels of small_cnn after each halving of the resolution")
+    cnn_width: PositiveInt = Field(32, description="channels of small_cnn")
     cnn_blocks: NonNegativeInt = Field(2, description="residual blocks of small_cnn")
-    cnn_points: PositiveInt = Field(32, description="points that small_cnn's spatial softmax locates")
+    cnn_points: PositiveInt = Field(32, description="points that the spatial softmax locates")
     mlp_width: PositiveInt = Field(256, description="features of the MLP denoiser")
     mlp_depth: PositiveInt = Field(3, description="residual blocks of the MLP denoiser")
     unet_widths: Widths = Field((512, 1024, 2048), description="channels of the U-Net denoiser, finest level first")
@@ -56,32 +58,37 @@ class Training(BaseModel):
 
     @model_validator(mode="after")
     def _refuse_the_impossible(self) -> Self:
-        rules = {
-            f"observation_horizon - 1 + action_horizon is {self.predicted_horizon}, "
-            f"but only {self.prediction_horizon} timesteps are predicted": self.predicted_horizon
-            <= self.prediction_horizon,
-            f"diffusion_steps {self.diffusion_steps} is not a multiple of inference_steps {self.inference_steps}":
-                self.diffusion_steps % self.inference_steps == 0,
-            f"warmup_steps {self.warmup_steps} exceeds gradient_steps {self.gradient_steps}":
-                self.warmup_steps <= self.gradient_steps,
-            f"crop_pixels {self.crop_pixels} with keypoints; only images are cropped":
-                self.encoder != "keypoints" or self.crop_pixels is None,
-        }
-        if self.denoiser == "unet":
-            rules |= self._unet_rules()
-        broken = [rule for rule, holds in rules.items() if not holds]
+        rules = self._horizon_rules() + (self._unet_rules() if self.denoiser == "unet" else [])
+        rules += [
+            (self.diffusion_steps % self.inference_steps == 0,
+             f"diffusion_steps {self.diffusion_steps} is not a multiple of inference_steps {self.inference_steps}"),
+            (self.warmup_steps <= self.gradient_steps,
+             f"warmup_steps {self.warmup_steps} exceeds gradient_steps {self.gradient_steps}"),
+            (self.encoder != "keypoints" or self.crop_pixels is None,
+             f"crop_pixels {self.crop_pixels} with keypoints; only images are cropped"),
+        ]
+        broken = [reason for holds, reason in rules if not holds]
         if broken:
             raise ValueError("; ".join(broken))
         return self
 
-    def _unet_rules(self) -> dict[str, bool]:
-        shrink = 2 ** (len(self.unet_widths) - 1)
-        return {
-            f"prediction_horizon {self.prediction_horizon} is not a multiple of {shrink}, "
-            f"which {len(self.unet_widths)} U-Net levels need": self.prediction_horizon % shrink == 0,
-            f"unet_widths {self.unet_widths} are not multiples of {GROUPS}, the groups of its normalisation":
-                all(width % GROUPS == 0 for width in self.unet_widths),
-        }
+    def _horizon_rules(self) -> list[tuple[bool, str]]:
+        return [(
+            self.predicted_horizon <= self.prediction_horizon,
+            f"observation_horizon - 1 + action_horizon is {self.predicted_horizon}, "
+            f"but only {self.prediction_horizon} timesteps are predicted",
+        )]
+
+    def _unet_rules(self) -> list[tuple[bool, str]]:
+        levels = len(self.unet_widths)
+        shrink = 2 ** (levels - 1)
+        return [
+            (self.prediction_horizon % shrink == 0,
+             f"prediction_horizon {self.prediction_horizon} is not a multiple of {shrink}, "
+             f"which {levels} U-Net levels need"),
+            (all(width % GROUPS == 0 for width in self.unet_widths),
+             f"unet_widths {self.unet_widths} are not multiples of {GROUPS}, the groups of its normalisation"),
+        ]
 
     @property
     def predicted_horizon(self) -> int:
@@ -92,24 +99,3 @@ class Training(BaseModel):
     def executed(self) -> slice:
         """Which of the predicted timesteps are executed."""
         return slice(self.observation_horizon - 1, self.predicted_horizon)
-
-    @classmethod
-    def keypoints(cls, **changes: Any) -> Self:
-        """Keypoints on a laptop: about ten seconds on one core."""
-        return cls(**{**KEYPOINTS, **changes})
-
-    @classmethod
-    def image_laptop(cls, **changes: Any) -> Self:
-        """Images of 96 pixels on a laptop: about five minutes on one core."""
-        return cls(**{**IMAGE_LAPTOP, **changes})
-
-
-KEYPOINTS = dict(
-    encoder="keypoints", denoiser="mlp", gradient_steps=3000, batch_size=128, learning_rate=1e-3,
-    warmup_steps=200, ema_decay=0.999, mlp_width=256, mlp_depth=3,
-)
-
-IMAGE_LAPTOP = dict(
-    encoder="small_cnn", denoiser="mlp", gradient_steps=5000, batch_size=64, learning_rate=1e-3, weight_decay=1e-4,
-    warmup_steps=200, ema_decay=0.999, crop_pixels=88, mlp_width=256, mlp_depth=2, precision="bfloat16",
-)

@@ -5,6 +5,7 @@ that stopped and went on from its checkpoint therefore ends with the same bits a
 """
 
 import ctypes
+import hashlib
 import math
 import time
 from collections.abc import Callable
@@ -17,13 +18,11 @@ from torch import Tensor
 
 from move.errors import BadInput
 from move.learn import checkpoint as checkpoints
-from move.learn.checkpoint import Checkpoint, load_policy
+from move.learn.checkpoint import Checkpoint
 from move.learn.dataset import window_indices
 from move.learn.diffusion import DiffusionPolicy
 from move.learn.settings import Training
 from move.sim.demonstrations import Demonstrations
-
-__all__ = ["Training", "TrainingReport", "train", "load_policy"]
 
 CURVE_POINTS = 50
 M_TRIM_THRESHOLD, M_MMAP_MAX = -1, -4  # of glibc's malloc.h
@@ -54,7 +53,9 @@ def step_generator(seed: int, step: int) -> torch.Generator:
 def learning_rate(training: Training, step: int) -> float:
     """Linear warm-up, then a half cosine down to 0 after the last step.
 
-    >>> settings = Training.keypoints(gradient_steps=100, warmup_steps=10, learning_rate=1.0)
+    >>> settings = Training(
+    ...     encoder="keypoints", denoiser="mlp", gradient_steps=100, warmup_steps=10, learning_rate=1.0
+    ... )
     >>> [round(learning_rate(settings, step), 3) for step in (0, 4, 9, 10, 55, 99)]
     [0.1, 0.5, 1.0, 1.0, 0.5, 0.0]
     """
@@ -67,7 +68,7 @@ def learning_rate(training: Training, step: int) -> float:
 def average_decay(training: Training, averaged_steps: int) -> float:
     """How much of the averaged weights stays in their next move: 1 - (1 + steps)^-power, capped.
 
-    >>> settings = Training.keypoints()
+    >>> settings = Training(encoder="keypoints", denoiser="mlp", gradient_steps=1000, ema_decay=0.999)
     >>> [round(average_decay(settings, steps), 3) for steps in (0, 1, 15, 100_000)]
     [0.0, 0.405, 0.875, 0.999]
     """
@@ -92,6 +93,12 @@ def keep_freed_memory() -> None:
         library.mallopt(M_TRIM_THRESHOLD, 2**31 - 1)
     except (OSError, AttributeError, TypeError):  # another C library: slower, nothing else
         return
+
+
+def fingerprint(demonstrations: Demonstrations) -> str:
+    """Sixteen hex digits of the actions and episode ends, which no two collections share."""
+    digest = hashlib.sha256(demonstrations.actions.tobytes() + demonstrations.episode_ends.tobytes())
+    return digest.hexdigest()[:16]
 
 
 class Batches:
@@ -121,7 +128,7 @@ class Trainer:
     """The state of a training run: policy, averaged policy, AdamW's moments, step and losses."""
 
     def __init__(self, demonstrations: Demonstrations, training: Training, seed: int, device: str) -> None:
-        self.training, self.seed, self.device = training, seed, device
+        self.training, self.seed, self.device, self.data = training, seed, device, fingerprint(demonstrations)
         self.step, self.averaged_steps, self.seconds = 0, 0, 0.0
         self.precision = precision_used(training.precision, device)
         self.batches = Batches(demonstrations, training, device)
@@ -154,6 +161,8 @@ class Trainer:
             keep = average_decay(self.training, self.averaged_steps)
             torch._foreach_lerp_(self.averaged_weights, self.weights, 1 - keep)
         value = self.losses[self.step] = loss.item()
+        if not math.isfinite(value):
+            raise FloatingPointError(f"loss {value} at gradient step {self.step}; try a smaller learning_rate")
         self.step, self.averaged_steps = self.step + 1, self.averaged_steps + 1
         return value
 
@@ -166,8 +175,9 @@ class Trainer:
             for i, moments in self.adam.state_dict()["state"].items():
                 tensors |= {f"adam/{i}/{name}": tensor for name, tensor in moments.items()}
         return Checkpoint(
-            self.training, self.seed, tuple(self.policy.observation_shape), self.policy.action_size, self.step,
-            self.averaged_steps, self.seconds, self.precision, {k: v.contiguous() for k, v in tensors.items()},
+            self.training, self.seed, self.data, tuple(self.policy.observation_shape), self.policy.action_size,
+            self.step, self.averaged_steps, self.seconds, self.precision,
+            {name: tensor.contiguous() for name, tensor in tensors.items()},
         )
 
     def resume(self, saved: Checkpoint) -> None:
@@ -183,10 +193,8 @@ class Trainer:
             self.adam.load_state_dict(self.adam.state_dict() | {"state": moments})
 
     def _check_same_run(self, saved: Checkpoint) -> None:
-        here = {**self.training.model_dump(), "seed": self.seed,
-                "observation_shape": tuple(self.policy.observation_shape), "action_size": self.policy.action_size}
-        there = {**saved.training.model_dump(), "seed": saved.seed,
-                 "observation_shape": saved.observation_shape, "action_size": saved.action_size}
+        here = self.training.model_dump() | {"seed": self.seed, "data": self.data}
+        there = saved.training.model_dump() | {"seed": saved.seed, "data": saved.data}
         differing = [f"{name} {there[name]} there, {here[name]} here" for name in here if here[name] != there[name]]
         if differing:
             raise BadInput(f"the checkpoint belongs to another run: {'; '.join(differing)}")

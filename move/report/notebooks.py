@@ -38,7 +38,7 @@ def notebook_parameters(name: str, profile: str, changes: dict[str, Any]) -> dic
     """
     if name not in names():
         raise BadInput(f"notebook: {name!r} given; allowed are {', '.join(names())}")
-    given = {**load_profile(profile).notebooks.get(name, {}), **changes, "profile": profile}
+    given = {**load_profile(profile).parameters(name), **changes, "profile": profile}
     known = papermill.inspect_notebook(str(paths.NOTEBOOKS / f"{name}.ipynb"))
     if unknown := set(given) - set(known):
         raise BadInput(f"{name}.ipynb has no parameter {', '.join(sorted(unknown))}; allowed are {', '.join(known)}")

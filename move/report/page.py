@@ -8,6 +8,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from move import paths
+from move.errors import BadInput
 from move.report import notebooks, style
 from move.study.execute import execute
 from move.study.profiles import load_profile
@@ -40,9 +41,15 @@ class Gathered:
 
 
 def gather(specs: list[RunSpec], profile: str) -> Gathered:
-    """Compute what is missing of `specs`, and return all there is."""
+    """Compute what is missing of `specs`, and return all there is.
+
+    Raises:
+        BadInput: there is nothing at all to draw; the message says why.
+    """
     style.use_style()
     there, missing = execute(specs, paths.results(profile))
+    if not there:
+        raise BadInput(f"none of the {len(specs)} runs of this figure is stored; the first one: {missing[0][1]}")
     return Gathered(profile, there, table(there), missing)
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import atexit
 import ctypes.util
+import importlib
 import math
 import os
 import sys
@@ -28,10 +29,15 @@ LANDMARKS = {  # corners of the table's working area: they tell the policy where
 
 
 def choose_gl() -> None:
-    """Choose a way to draw without a screen, before MuJoCo is imported; an explicit MUJOCO_GL is left alone."""
+    """Choose a way to draw without a screen; an explicit MUJOCO_GL is left alone.
+
+    MuJoCo reads the choice when it is imported, so if it was imported before, it is made to read it again.
+    """
     if sys.platform == "linux" and "MUJOCO_GL" not in os.environ:
         library = next((name for name in ("EGL", "OSMesa") if ctypes.util.find_library(name)), "disable")
         os.environ["MUJOCO_GL"] = library.lower()
+        if "mujoco.gl_context" in sys.modules:
+            importlib.reload(sys.modules["mujoco.gl_context"])
     if os.environ.get("MUJOCO_GL") == "egl":
         os.environ.setdefault("PYOPENGL_PLATFORM", "egl")
 
@@ -103,10 +109,10 @@ def gl_renderer() -> str:
     """The GL renderer's own name, for provenance ("none" without GL); llvmpipe means drawn in software."""
     if gl_problem():
         return "none"
-    import mujoco
+    from mujoco import gl_context
     from OpenGL import GL
 
-    context = mujoco.GLContext(16, 16)
+    context = gl_context.GLContext(16, 16)
     context.make_current()
     try:
         return GL.glGetString(GL.GL_RENDERER).decode()

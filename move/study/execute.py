@@ -8,6 +8,9 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import signal
+import threading
+import time
 from collections.abc import Iterator
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
 from contextlib import contextmanager
@@ -40,7 +43,7 @@ def process_pool(workers: int | None = None) -> Iterator[Executor]:
     for name in THREAD_VARIABLES:
         os.environ.setdefault(name, "1")
     context = multiprocessing.get_context("spawn")
-    executor = ProcessPoolExecutor(workers or os.cpu_count(), mp_context=context)
+    executor = ProcessPoolExecutor(workers or os.cpu_count(), mp_context=context, initializer=_end_with_parent)
     try:
         yield executor
     except BaseException:
@@ -49,6 +52,19 @@ def process_pool(workers: int | None = None) -> Iterator[Executor]:
             process.terminate()
         raise
     executor.shutdown()
+
+
+def _end_with_parent() -> None:
+    """In a worker: end when the process that wants the results is gone, however it went."""
+    parent = os.getppid()
+
+    def watch() -> None:
+        while os.getppid() == parent:
+            time.sleep(1.0)
+        os._exit(1)
+
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's to handle
+    threading.Thread(target=watch, daemon=True).start()
 
 
 @contextmanager

@@ -59,11 +59,9 @@ def fig1_sparse(
 
 @checked
 def keypoint_control(
-    profile: str = "laptop", timesteps: list[Count] = None, seeds: Count = 5, episodes: Count = 100
+    profile: str = "laptop", timesteps: tuple[Count, ...] = (1250, 2500, 5000), seeds: Count = 5, episodes: Count = 100
 ) -> list[RunSpec]:
     """Pick-Place with all factors random and perception given: three methods at several budgets, and the expert."""
-    if timesteps is None:
-        timesteps = [1250, 2500, 5000]
     settings = load_profile(profile)
     evaluation = Evaluation(episodes=episodes)
     policies = [
@@ -96,7 +94,7 @@ def parameters(experiment: str, profile: str) -> dict[str, Any]:
         raise BadInput(f"figure: {experiment!r} given; allowed are {', '.join(EXPERIMENTS)}")
     defaults = {name: parameter.default
                 for name, parameter in inspect.signature(EXPERIMENTS[experiment]).parameters.items()}
-    changed = load_profile(profile).notebooks.get(experiment, {})
+    changed = load_profile(profile).parameters(experiment)
     if unknown := set(changed) - set(defaults):
         raise BadInput(f"profile {profile}: {experiment} has no parameter {', '.join(sorted(unknown))}; "
                        f"allowed are {', '.join(defaults)}")
@@ -109,4 +107,5 @@ def specs(experiment: str, profile: str) -> list[RunSpec]:
     Raises:
         BadInput: an unknown experiment, profile or parameter, or a value that is not allowed.
     """
-    return EXPERIMENTS[experiment](**parameters(experiment, profile))
+    chosen = parameters(experiment, profile)
+    return EXPERIMENTS[experiment](**chosen)

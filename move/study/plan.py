@@ -11,6 +11,8 @@ from move.study.profiles import load_profile
 from move.study.results import Result, split
 from move.study.spec import RunSpec
 
+CONTROL_MINUTES = 0.05
+
 
 def plan_rows(profile: str, figures: dict[str, list[RunSpec]]) -> list[dict[str, Any]]:
     """One row a figure: how many runs, how many stored, why the others are missing, and their core-minutes."""
@@ -23,14 +25,20 @@ def plan_rows(profile: str, figures: dict[str, list[RunSpec]]) -> list[dict[str,
             "runs": len(specs),
             "stored": len(there),
             "missing": len(missing),
-            "core_minutes_left": round(sum(_minutes(spec, there, estimates) for spec, _ in missing), 1),
+            "core_minutes_left": _total([_minutes(spec, there, estimates) for spec, _ in missing]),
             "why": "; ".join(f"{count} {why}" for why, count in reasons.items()) or "complete",
         })
     return rows
 
 
-def _minutes(spec: RunSpec, there: list[Result], estimates: dict[str, float]) -> float:
-    """Core-minutes of one run: the median of stored runs like it, or the profile's estimate."""
+def _total(minutes: list[float | None]) -> float | str:
+    return "unknown" if None in minutes else round(sum(minutes), 1)
+
+
+def _minutes(spec: RunSpec, there: list[Result], estimates: dict[str, float]) -> float | None:
+    """Core-minutes of one run: the median of stored runs like it, or the profile's estimate, or None."""
     alike = [sum(result.seconds.values()) / 60 for result in there
              if result.spec.observation == spec.observation and result.spec.task == spec.task]
-    return median(alike) if alike else estimates.get(spec.observation, 0.1)
+    if alike:
+        return median(alike)
+    return CONTROL_MINUTES if spec.collection is None else estimates.get(spec.observation)

@@ -10,6 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from move.errors import BadInput
 from move.learn.settings import Training
 from move.paths import PROFILES
+from move.sim.observe import gl_problem
 
 
 class Profile(BaseModel):
@@ -21,7 +22,13 @@ class Profile(BaseModel):
     image_size: int = Field(96, ge=16, le=512, description="pixels along a side")
     training: dict[str, Training] = Field(description="the recipe for each observation, alike for all methods")
     notebooks: dict[str, dict[str, Any]] = Field(description="parameters that differ from the notebook's own")
+    without_gl: dict[str, dict[str, Any]] = Field(default_factory=dict, description="the same, where nothing can draw")
     minutes: dict[str, float] = Field(default_factory=dict, description="core-minutes of a run, by observation")
+
+    def parameters(self, notebook: str) -> dict[str, Any]:
+        """What this profile changes in `notebook`, on this machine."""
+        changed = self.notebooks.get(notebook, {})
+        return {**changed, **self.without_gl.get(notebook, {})} if gl_problem() else changed
 
 
 def names() -> list[str]:

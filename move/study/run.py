@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import time
 from collections.abc import Callable
 from dataclasses import asdict
@@ -10,8 +11,10 @@ from pathlib import Path
 
 import torch
 
+from move.errors import BadInput
+from move.learn.diffusion import DiffusionPolicy
 from move.learn.evaluate import Expert, GoalBlind, Nothing, Player, PolicyPlayer, Random, evaluate
-from move.learn.train import train
+from move.learn.train import TrainingReport, train
 from move.paths import RUNS
 from move.sim.collect import collect
 from move.sim.tasks import get_task
@@ -23,15 +26,18 @@ OnProgress = Callable[[str, int, int], None]
 """Called with the part of the run, what is done of it and how much there is."""
 
 
-def run(spec: RunSpec, folder: Path, on_progress: OnProgress | None = None) -> Result:
+def run(
+    spec: RunSpec, folder: Path, on_progress: OnProgress | None = None, scratch: Path | None = None
+) -> Result:
     """Compute `spec` on one thread and store its result in `folder`; an interrupted training goes on.
 
-    Demonstrations are not kept: the spec and the seed make the same ones again.
+    Checkpoints go to `scratch`, by default build/runs/. Demonstrations are not kept: the spec and the seed make the
+    same ones again.
     """
     torch.set_num_threads(1)
     report = on_progress or (lambda part, done, total: None)
     seconds: dict[str, float] = {}
-    player, collected, trained = _player(spec, report, seconds)
+    player, collected, trained = _player(spec, report, seconds, scratch or RUNS)
     started = time.perf_counter()
     rows = evaluate(
         player, get_task(spec.task), spec.evaluation,
@@ -46,7 +52,9 @@ def run(spec: RunSpec, folder: Path, on_progress: OnProgress | None = None) -> R
     return result
 
 
-def _player(spec: RunSpec, report: OnProgress, seconds: dict[str, float]) -> tuple[Player, dict | None, dict | None]:
+def _player(
+    spec: RunSpec, report: OnProgress, seconds: dict[str, float], scratch: Path
+) -> tuple[Player, dict | None, dict | None]:
     controls = {"nothing": Nothing, "random": lambda: Random(spec.seed), "expert": lambda: Expert("phase"),
                 "goal-blind": GoalBlind}
     if spec.player != "policy":
@@ -54,10 +62,18 @@ def _player(spec: RunSpec, report: OnProgress, seconds: dict[str, float]) -> tup
     started = time.perf_counter()
     demonstrations, record = collect(spec.collection, spec.seed, lambda done, total: report("collect", done, total))
     seconds["collect"] = time.perf_counter() - started
-    policy, trained = train(
-        demonstrations, spec.training, spec.seed, checkpoint=RUNS / spec.hash,
-        on_step=lambda done, total, loss: report("train", done, total),
-    )
+
+    checkpoint = scratch / spec.hash / "policy"
+
+    def go_on() -> tuple[DiffusionPolicy, TrainingReport]:
+        return train(demonstrations, spec.training, spec.seed, checkpoint=checkpoint,
+                     on_step=lambda done, total, loss: report("train", done, total))
+
+    try:
+        policy, trained = go_on()
+    except BadInput:  # the scratch folder holds another version's checkpoint, or a damaged one: begin anew
+        shutil.rmtree(checkpoint)
+        policy, trained = go_on()
     seconds["train"] = trained.seconds
     return PolicyPlayer(policy, spec.seed), asdict(record), asdict(trained)
 

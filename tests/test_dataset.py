@@ -1,0 +1,163 @@
+"""Demonstrations, their store on disk, and the windows cut from them."""
+
+import shutil
+
+import numpy as np
+import pytest
+import zarr
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from move.errors import BadInput
+from move.learn.dataset import load, save, window_indices
+from move.sim.demonstrations import Demonstrations
+
+
+def six_frames(images: bool = False) -> Demonstrations:
+    """Two episodes, of four and of two timesteps."""
+    rng = np.random.default_rng(0)
+    observations = rng.normal(size=(6, 5)).astype(np.float32)
+    if images:
+        observations = rng.integers(0, 256, (6, 8, 8, 3), dtype=np.uint8)
+    return Demonstrations(observations, rng.uniform(-1, 1, (6, 4)).astype(np.float32), np.array([4, 6]))
+
+
+def test_windows_of_six_frames_written_by_hand():
+    observed, predicted = window_indices(np.array([4, 6]), observation_horizon=2, prediction_horizon=4)
+    assert observed.tolist() == [[0, 0], [0, 1], [1, 2], [2, 3], [4, 4], [4, 5]]
+    assert predicted.tolist() == [
+        [0, 0, 1, 2], [0, 1, 2, 3], [1, 2, 3, 3], [2, 3, 3, 3],
+        [4, 4, 5, 5], [4, 5, 5, 5],
+    ]
+
+
+def slow_windows(ends: list[int], observation_horizon: int, prediction_horizon: int):
+    observed, predicted, start = [], [], 0
+    for end in ends:
+        for t in range(start, end):
+            begin = t - observation_horizon + 1
+            observed.append([min(max(begin + k, start), end - 1) for k in range(observation_horizon)])
+            predicted.append([min(max(begin + k, start), end - 1) for k in range(prediction_horizon)])
+        start = end
+    return observed, predicted
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.lists(st.integers(1, 12), min_size=1, max_size=6), st.integers(1, 4), st.integers(1, 8))
+def test_windows_agree_with_a_loop(lengths, observation_horizon, prediction_horizon):
+    ends = np.cumsum(lengths)
+    observed, predicted = window_indices(ends, observation_horizon, prediction_horizon)
+    slow_observed, slow_predicted = slow_windows(ends.tolist(), observation_horizon, prediction_horizon)
+    assert observed.tolist() == slow_observed
+    assert predicted.tolist() == slow_predicted
+
+
+def test_equal_timesteps_give_equally_many_windows():
+    for ends in ([100], [10, 20, 100], list(range(1, 101))):
+        assert [len(index) for index in window_indices(np.array(ends), 2, 4)] == [100, 100]
+
+
+def test_the_last_observed_timestep_is_the_first_executed():
+    observed, predicted = window_indices(np.array([9]), 2, 4)
+    assert observed[5, -1] == predicted[5, 1] == 5
+
+
+def test_properties():
+    demonstrations = six_frames()
+    assert (demonstrations.timesteps, demonstrations.episodes, demonstrations.lengths.tolist()) == (6, 2, [4, 2])
+    assert six_frames(images=True).has_images and not demonstrations.has_images
+
+
+@pytest.mark.parametrize("images", [False, True])
+def test_saved_demonstrations_come_back(tmp_path, images):
+    given_demonstrations, attributes = six_frames(images), {"task": "pick-place", "seed": 3, "range": [0.1, 0.2]}
+    save(given_demonstrations, tmp_path / "deep" / "six.zarr", attributes)
+    loaded, loaded_attributes = load(tmp_path / "deep" / "six.zarr")
+    assert loaded_attributes == attributes
+    for name in ("observations", "actions", "episode_ends"):
+        before, after = getattr(given_demonstrations, name), getattr(loaded, name)
+        assert after.dtype == before.dtype and np.array_equal(after, before)
+
+
+def test_the_layout_is_that_of_a_diffusion_policy_replay_buffer(tmp_path):
+    save(six_frames(images=True), tmp_path / "six.zarr", {})
+    group = zarr.open_group(tmp_path / "six.zarr", mode="r")
+    assert group.metadata.zarr_format == 2
+    assert sorted(group["data"].array_keys()) == ["action", "img"]
+    assert sorted(group["meta"].array_keys()) == ["episode_ends"]
+
+
+def test_saving_again_replaces_and_leaves_nothing_beside(tmp_path):
+    save(six_frames(), tmp_path / "six.zarr", {"version": 1})
+    save(six_frames(images=True), tmp_path / "six.zarr", {"version": 2})
+    assert load(tmp_path / "six.zarr")[1] == {"version": 2}
+    assert [path.name for path in tmp_path.iterdir()] == ["six.zarr"]
+
+
+def test_a_failed_save_leaves_the_old_store(tmp_path, monkeypatch):
+    save(six_frames(), tmp_path / "six.zarr", {"version": 1})
+    monkeypatch.setattr(zarr, "create_group", lambda *a, **k: (_ for _ in ()).throw(OSError("disk full")))
+    with pytest.raises(OSError, match="disk full"):
+        save(six_frames(), tmp_path / "six.zarr", {"version": 2})
+    monkeypatch.undo()
+    assert load(tmp_path / "six.zarr")[1] == {"version": 1}
+    assert [path.name for path in tmp_path.iterdir()] == ["six.zarr"]
+
+
+def test_all_zero_observations_survive(tmp_path):
+    zeros = Demonstrations(np.zeros((6, 3), np.float32), np.zeros((6, 4), np.float32), np.array([6]))
+    save(zeros, tmp_path / "zeros.zarr", {})
+    assert np.array_equal(load(tmp_path / "zeros.zarr")[0].actions, zeros.actions)
+
+
+def test_a_missing_store_is_named(tmp_path):
+    with pytest.raises(BadInput, match="no demonstrations at .*nowhere"):
+        load(tmp_path / "nowhere")
+
+
+@pytest.mark.parametrize("part", ["data/action", "meta", "data/action/0.0", "data/keypoints/0.0", ".zgroup"])
+def test_a_store_with_a_part_missing_is_refused(tmp_path, part):
+    path = tmp_path / "six.zarr"
+    save(six_frames(), path, {})
+    broken = path / part
+    shutil.rmtree(broken) if broken.is_dir() else broken.unlink()
+    with pytest.raises(BadInput, match="^cannot read demonstrations from [^\n]*six.zarr[^\n]*$"):
+        load(path)
+
+
+@pytest.mark.parametrize("part", ["data/action/0.0", "data/action/.zarray", "meta/episode_ends/0"])
+def test_a_store_with_a_part_cut_short_is_refused(tmp_path, part):
+    path = tmp_path / "six.zarr"
+    save(six_frames(), path, {})
+    (path / part).write_bytes((path / part).read_bytes()[:9])
+    with pytest.raises(BadInput, match="^cannot read demonstrations from [^\n]*$"):
+        load(path)
+
+
+def test_attributes_that_json_cannot_hold_are_refused(tmp_path):
+    with pytest.raises(BadInput, match="JSON"):
+        save(six_frames(), tmp_path / "six.zarr", {"array": np.zeros(3)})
+    assert list(tmp_path.iterdir()) == []
+
+
+WRONG = {
+    "observations.*float64.*allowed": {"observations": np.zeros((6, 5))},
+    r"observations \(6, 8, 8, 4\)": {"observations": np.zeros((6, 8, 8, 4), np.uint8)},
+    "NaN": {"observations": np.full((6, 5), np.nan, np.float32)},
+    "5 observations with 6 actions": {"observations": np.zeros((5, 5), np.float32)},
+    r"actions \(6,\)": {"actions": np.zeros(6, np.float32)},
+    "actions from 2.0 to 2.0; allowed: -1 to 1": {"actions": np.full((6, 4), 2, np.float32)},
+    "actions from nan": {"actions": np.full((6, 4), np.nan, np.float32)},
+    "episode_ends .*int32": {"episode_ends": np.array([4, 6], np.int32)},
+    "ends with 5; .* 6": {"episode_ends": np.array([4, 5])},
+    "ends with nothing": {"episode_ends": np.array([], np.int64)},
+    "strictly increasing": {"episode_ends": np.array([4, 4, 6])},
+    "from above 0": {"episode_ends": np.array([0, 6])},
+}
+
+
+@pytest.mark.parametrize("message", WRONG)
+def test_impossible_demonstrations_are_refused(message):
+    right = vars(six_frames())
+    with pytest.raises(BadInput, match=message):
+        Demonstrations(**{**right, **WRONG[message]})

@@ -1,0 +1,109 @@
+"""Statistics against slow or known answers; tables; and plots that draw what the table says."""
+
+import matplotlib
+
+matplotlib.use("Agg")
+
+import matplotlib.pyplot as plt  # noqa: E402
+import numpy as np  # noqa: E402
+import pandas as pd  # noqa: E402
+import pytest  # noqa: E402
+
+from move.report import plots, style, tables  # noqa: E402
+from move.study import paper, statistics  # noqa: E402
+
+
+def episodes(rates: dict[str, float], seeds: int = 3, trials: int = 16) -> pd.DataFrame:
+    rng = np.random.default_rng(0)
+    side = int(trials**0.5)
+    return pd.DataFrame([
+        {"method": method, "seed": seed, "trial": trial, "success": bool(rng.random() < rate), "group": "grid",
+         "object_x": trial % side * 0.1, "object_y": trial // side * 0.1, "timesteps": 100}
+        for method, rate in rates.items() for seed in range(seeds) for trial in range(trials)
+    ])
+
+
+def test_wilson_intervals_are_the_textbook_ones():
+    for successes, trials, low, high in ((8, 20, 0.22, 0.61), (40, 100, 0.31, 0.50)):
+        rate = statistics.success_rate(np.array([[1] * successes + [0] * (trials - successes)]))
+        assert (rate.low, rate.high) == pytest.approx((low, high), abs=0.005)
+
+
+def test_seeds_that_disagree_widen_the_interval():
+    agree = np.array([[1] * 10 + [0] * 10] * 4)
+    disagree = np.array([[1] * 20, [1] * 20, [0] * 20, [0] * 20])
+    assert statistics.design_effect(agree) == 1.0 < statistics.design_effect(disagree)
+    narrow, wide = statistics.success_rate(agree), statistics.success_rate(disagree)
+    assert narrow.value == wide.value and wide.high - wide.low > 2 * (narrow.high - narrow.low)
+
+
+def test_the_interval_covers_the_truth_when_seeds_vary():
+    """A seed's own rate is Beta distributed around the truth; 5 seeds of 100 episodes, 95 % wanted."""
+    rng = np.random.default_rng(1)
+    truth, covered = 0.4, 0
+    for _ in range(400):
+        per_seed = rng.beta(truth * 60, (1 - truth) * 60, size=5)
+        rate = statistics.success_rate(rng.random((5, 100)) < per_seed[:, None])
+        covered += rate.low <= truth <= rate.high
+    assert covered / 400 >= 0.85
+
+
+def test_the_difference_is_paired_and_covers_the_truth():
+    rng = np.random.default_rng(2)
+    difficulty = rng.random(100)
+    first, second = (rng.random((3, 100)) < np.clip(difficulty + shift, 0, 1) for shift in (0.2, 0.0))
+    value, low, high = statistics.difference(first, second, np.random.default_rng(0))
+    assert value == pytest.approx(first.mean() - second.mean()) and 0 < low < value < high
+    same = statistics.difference(first, first, np.random.default_rng(0))
+    assert same[0] == 0 and same[1] <= 0 <= same[2]
+    with pytest.raises(ValueError, match="same"):
+        statistics.difference(first, second[:, :50], np.random.default_rng(0))
+
+
+def test_no_episode_is_no_rate():
+    with pytest.raises(ValueError, match="no episode"):
+        statistics.success_rate(np.empty((0, 5)))
+
+
+def test_the_rate_table_counts_each_seed():
+    table = tables.rate_table(episodes({"static": 0.2, "move": 0.8}), ["method"])
+    raw = episodes({"static": 0.2, "move": 0.8}).groupby(["method", "seed"], sort=False).success.mean()
+    assert table.method.tolist() == ["static", "move"]
+    for row in table.itertuples():
+        assert row.seeds == pytest.approx(raw[row.method].tolist(), abs=1e-4)
+        assert row.low <= row.value <= row.high and row.episodes == 48
+
+
+def test_methods_always_have_the_same_three_colours():
+    table = tables.with_paper(tables.rate_table(episodes({"static": 0.2, "adc": 0.5, "move": 0.8}), ["method"]), {})
+    _, ax = plt.subplots()
+    plots.rates(table, ax)
+    drawn = [matplotlib.colors.to_hex(bar.get_facecolor()).upper() for bar in ax.patches]
+    assert drawn == [style.COLOURS[name] for name in ("static", "adc", "move")]
+    assert [bar.get_height() for bar in ax.patches] == pytest.approx(table.value.tolist())
+
+
+def test_the_heatmap_shows_each_cell_where_its_object_was():
+    data = episodes({"static": 0.5}, seeds=1)
+    data["success"] = (data.object_x > 0.25) & (data.object_y < 0.05)  # one cell only
+    _, ax = plt.subplots()
+    values = plots.heatmap(data, ax).get_array().reshape(4, 4)
+    assert values[0, 3] == 1 and values.sum() == 1
+
+
+def test_a_saved_figure_is_the_same_file_every_time(tmp_path):
+    style.use_style()
+    written = []
+    for folder in ("a", "b"):
+        figure, ax = plt.subplots()
+        ax.plot([0, 1])
+        style.save(figure, "f", tmp_path / folder)
+        written.append([(tmp_path / folder / f"f.{kind}").read_bytes() for kind in ("pdf", "png")])
+    assert written[0] == written[1]
+
+
+def test_the_papers_table_averages_to_the_papers_means():
+    means = paper.TABLE2_MAIN.mean()
+    for method, value in paper.TABLE2_MEAN.items():
+        assert means[method] == pytest.approx(value, abs=6e-4)
+    assert paper.TABLE2_MEAN["move"] / paper.TABLE2_MEAN["static"] - 1 == pytest.approx(0.761, abs=1e-3)

@@ -1,0 +1,302 @@
+"""Specs and their hashes, results that are never half-read, execution that goes on, profiles, evaluation."""
+
+import json
+import os
+import stat
+
+import numpy as np
+import pytest
+import recipes
+from pydantic import ValidationError
+
+from move import paths
+from move.errors import BadInput
+from move.learn.evaluate import Evaluation, Expert, Nothing, PolicyPlayer, Random, evaluate, trials
+from move.learn.train import train
+from move.sim.collect import Collection, collect
+from move.sim.configuration import SpatialConfiguration
+from move.sim.tasks import get_task
+from move.study import execute, experiments, profiles, results, run
+from move.study.plan import plan_rows
+from move.study.spec import RunSpec
+
+TASK = get_task("pick-place")
+TINY = recipes.keypoints(gradient_steps=5, warmup_steps=1, batch_size=8)
+
+
+def tiny_spec(**changes) -> RunSpec:
+    collection = Collection(task="pick-place", method=changes.pop("method", "static"), timesteps=100)
+    return RunSpec(**{"task": "pick-place", "seed": 0, "collection": collection, "training": TINY,
+                      "evaluation": Evaluation(episodes=2), **changes})
+
+
+@pytest.fixture(autouse=True)
+def build_elsewhere(tmp_path, monkeypatch):
+    for module in (run, execute):
+        monkeypatch.setattr(module, "RUNS", tmp_path / "runs")
+
+
+@pytest.fixture
+def stored(tmp_path):
+    spec = tiny_spec(seed=3)
+    return run.run(spec, tmp_path), tmp_path
+
+
+# specs ---------------------------------------------------------------------------------------------------------------
+
+
+def test_the_hash_names_the_run():
+    assert tiny_spec().hash == tiny_spec().hash
+    others = [tiny_spec(seed=1), tiny_spec(method="move"), tiny_spec(evaluation=Evaluation(episodes=3)),
+              tiny_spec(training=recipes.keypoints(gradient_steps=6, warmup_steps=1, batch_size=8)),
+              tiny_spec(results_version=99)]
+    assert len({spec.hash for spec in [tiny_spec(), *others]}) == 6
+
+
+def test_the_hash_survives_a_round_trip_through_json():
+    spec = tiny_spec()
+    assert RunSpec.model_validate_json(spec.model_dump_json()) == spec
+    assert RunSpec.model_validate_json(spec.model_dump_json()).hash == spec.hash
+
+
+def test_a_field_left_at_its_default_does_not_enter_the_hash():
+    assert tiny_spec(player="policy").hash == tiny_spec().hash
+
+
+@pytest.mark.parametrize("wrong", [{"player": "expert"}, {"training": None}, {"task": "push"}, {"seed": -1},
+                                   {"sed": 1}])
+def test_impossible_specs_are_refused(wrong):
+    with pytest.raises(ValidationError):
+        tiny_spec(**wrong)
+
+
+def test_methods_of_a_figure_differ_in_nothing_but_the_method():
+    for name in experiments.EXPERIMENTS:
+        for profile in profiles.names():
+            groups: dict[str, set[str]] = {}
+            for spec in experiments.specs(name, profile):
+                if spec.collection:
+                    rest = spec.model_dump(mode="json")
+                    method = rest["collection"].pop("method")
+                    groups.setdefault(json.dumps(rest, sort_keys=True), set()).add(method)
+            assert len({frozenset(methods) for methods in groups.values()}) == 1
+
+
+# results -------------------------------------------------------------------------------------------------------------
+
+
+def test_a_result_comes_back_as_it_was_stored(stored):
+    result, folder = stored
+    again = results.load(result.spec, folder)
+    assert again.rows == result.rows and again.spec == result.spec
+    assert again.provenance["versions"]["mujoco"] == "3.3.0"
+    assert again.collection["timesteps"] == 100 and len(again.training["curve"]) == 5
+    assert not list(folder.glob("*.part"))
+
+
+def test_the_same_spec_gives_the_same_rows(stored, tmp_path):
+    result, _ = stored
+    assert run.run(result.spec, tmp_path / "again").rows == result.rows
+
+
+@pytest.mark.parametrize("damage", ["cut", "edited", "swapped", "empty"])
+def test_a_damaged_result_is_named_and_missing(stored, damage):
+    result, folder = stored
+    path = folder / f"{result.spec.hash}.json"
+    text = path.read_text()
+    other = tiny_spec(seed=4)
+    damaged = {"cut": text[: len(text) // 2], "edited": text.replace('"steps": [200', '"steps": [199'), "empty": "",
+               "swapped": text}[damage]
+    assert damage == "swapped" or damaged != text
+    spec = other if damage == "swapped" else result.spec
+    (folder / f"{spec.hash}.json").write_text(damaged)
+    with pytest.raises(BadInput, match=f"{spec.hash}.json is not usable"):
+        results.load(spec, folder)
+    there, missing = results.split([spec], folder)
+    assert not there and missing[0][0] == spec
+
+
+def test_a_missing_result_is_missing(tmp_path):
+    assert results.load(tiny_spec(), tmp_path) is None
+    assert results.split([tiny_spec()], tmp_path)[1] == [(tiny_spec(), "not computed yet")]
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may write everywhere")
+def test_a_folder_without_permission_is_refused(tmp_path):
+    tmp_path.chmod(stat.S_IRUSR | stat.S_IXUSR)
+    with pytest.raises(BadInput, match="cannot write"):
+        results.check_writable(tmp_path / "results")
+
+
+def test_a_folder_that_is_a_file_is_refused_before_any_work(tmp_path):
+    (tmp_path / "results").write_text("not a folder")
+    with pytest.raises(BadInput, match="cannot write"):
+        execute.execute([tiny_spec()], tmp_path / "results", quiet=True)
+
+
+# execution -----------------------------------------------------------------------------------------------------------
+
+
+class Here:
+    """An executor that runs in this process, so that a test can break a run."""
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *exception):
+        return False
+
+    def submit(self, function, *arguments):
+        from concurrent.futures import Future
+
+        future = Future()
+        try:
+            future.set_result(function(*arguments))
+        except Exception as error:
+            future.set_exception(error)
+        return future
+
+
+@pytest.fixture
+def in_this_process(monkeypatch):
+    monkeypatch.setattr(execute, "process_pool", lambda workers: Here())
+
+
+def test_only_what_is_missing_is_computed(tmp_path, in_this_process, monkeypatch):
+    specs = [tiny_spec(seed=seed) for seed in range(2)]
+    execute.execute(specs[:1], tmp_path, quiet=True)
+    computed = []
+    real = execute.run_and_report
+    monkeypatch.setattr(execute, "run_and_report", lambda spec, folder: computed.append(spec) or real(spec, folder))
+    there, missing = execute.execute([*specs, specs[1]], tmp_path, quiet=True)
+    assert computed == [specs[1]] and not missing and len(there) == 3
+
+
+def test_a_failed_run_is_missing_and_the_others_go_on(tmp_path, in_this_process, monkeypatch):
+    real = run.collect
+    monkeypatch.setattr(run, "collect", lambda plan, seed, on: 1 / 0 if seed == 0 else real(plan, seed, on))
+    there, missing = execute.execute([tiny_spec(seed=seed) for seed in range(2)], tmp_path, quiet=True)
+    assert [result.spec.seed for result in there] == [1]
+    assert missing[0][0].seed == 0 and "ZeroDivisionError" in missing[0][1]
+
+
+def test_an_interrupted_run_goes_on_and_ends_the_same(tmp_path, monkeypatch):
+    spec = tiny_spec(training=recipes.keypoints(gradient_steps=8, warmup_steps=1, batch_size=8))
+    whole = run.run(spec, tmp_path / "whole")
+    monkeypatch.setattr(run, "RUNS", tmp_path / "runs2")
+    real = run.train
+
+    def interrupted(*arguments, on_step, **keywords):
+        def stop(step, total, loss):
+            if step == 5:
+                raise KeyboardInterrupt
+
+        return real(*arguments, on_step=stop, checkpoint_every=4, **keywords)
+
+    monkeypatch.setattr(run, "train", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        run.run(spec, tmp_path / "parts")
+    assert results.load(spec, tmp_path / "parts") is None
+    monkeypatch.setattr(run, "train", real)
+    assert run.run(spec, tmp_path / "parts").rows == whole.rows
+
+
+def test_a_damaged_checkpoint_is_not_gone_on_from(tmp_path, stored):
+    result, _ = stored
+    scratch = tmp_path / "scratch" / result.spec.hash / "policy"
+    scratch.mkdir(parents=True)
+    (scratch / "run.json").write_text("{")
+    assert run.run(result.spec, tmp_path / "again", scratch=tmp_path / "scratch").rows == result.rows
+
+
+def test_processes_compute_what_this_process_would(tmp_path):
+    spec = tiny_spec()
+    there, missing = execute.execute([spec], tmp_path, workers=1, quiet=True)
+    assert not missing and there[0].rows == run.run(spec, tmp_path / "here").rows
+
+
+def test_a_cluster_that_does_not_answer_is_refused(tmp_path):
+    with pytest.raises(BadInput, match="no Dask scheduler"):
+        execute.execute([tiny_spec()], tmp_path, cluster="tcp://127.0.0.1:1", quiet=True)
+
+
+# profiles ------------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def profile_folder(tmp_path, monkeypatch):
+    text = (paths.PROFILES / "smoke.yaml").read_text()
+    monkeypatch.setattr(profiles, "PROFILES", tmp_path)
+    (tmp_path / "smoke.yaml").write_text(text)
+    return tmp_path
+
+
+@pytest.mark.parametrize(("old", "new", "message"), [
+    ("learning_rate: 1.0e-3", "learning_rate: 1e-3", "text to YAML"),
+    ("gradient_steps: 60", "gradient_steps: -60", "greater than 0"),
+    ("image_size: 48", "image_sizes: 48", "image_sizes"),
+    ("batch_size: 64", "batch_size: '64a'", "valid integer"),
+    ("training:", "training: [", "not readable as YAML"),
+    ("timesteps: 300", "budget: 300", "no parameter budget"),
+    ("timesteps: 300", "timesteps: 0", "greater than 0"),
+    ("observation: rgb", "observation: smell", "rgb"),
+])
+def test_a_wrong_profile_is_one_clear_line(profile_folder, old, new, message):
+    path = profile_folder / "smoke.yaml"
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new, 1))
+    with pytest.raises(BadInput, match=message) as problem:
+        experiments.specs("fig1_sparse", "smoke")
+    assert "\n" not in str(problem.value)
+
+
+def test_unknown_profiles_and_figures_are_refused():
+    with pytest.raises(BadInput, match="allowed are .*laptop"):
+        profiles.load_profile("moon")
+    with pytest.raises(BadInput, match="allowed are fig1_sparse"):
+        experiments.specs("fig99", "laptop")
+
+
+def test_the_plan_counts_what_is_missing():
+    specs = experiments.specs("fig1_sparse", "smoke")
+    row = plan_rows("smoke", {"fig1_sparse": specs})[0]
+    assert row["runs"] == len(specs) == row["stored"] + row["missing"]
+
+
+# evaluation ----------------------------------------------------------------------------------------------------------
+
+
+def test_evaluation_configurations_are_fixed_and_no_training_uses_them():
+    first, again = (trials(TASK, Evaluation(episodes=50)) for _ in range(2))
+    assert first == again
+    tried = {trial.configuration.object_position for trial in first}
+    trained = {TASK.sample(np.random.default_rng(seed)).object_position for seed in range(200)}
+    assert len(tried) == 50 and not tried & trained
+
+
+def test_the_grid_covers_the_object_range_evenly():
+    listed = trials(TASK, Evaluation(layout="grid", grid_side=12, points="sparse"))
+    grid = [trial.configuration for trial in listed if trial.group == "grid"]
+    assert len(grid) == 144 and len(listed) == 153
+    assert {configuration.target_position for configuration in grid} == {TASK.fixed.target_position}
+    xs = sorted({configuration.object_position[0] for configuration in grid})
+    assert xs == pytest.approx(np.linspace(-0.2 + 0.0125, 0.1 - 0.0125, 12))
+
+
+def test_controls_mark_the_floor_and_the_ceiling():
+    plan = Evaluation(episodes=12)
+    for player in (Nothing(), Random(0)):
+        rows = evaluate(player, TASK, plan)
+        assert not any(row["success"] for row in rows) and all(row["steps"] == 200 for row in rows)
+    rows = evaluate(Expert("phase"), TASK, plan)
+    assert all(row["success"] and row["success_steps"] == 10 and row["steps"] < 200 for row in rows)
+
+
+def test_an_episode_does_not_depend_on_which_others_run_beside_it():
+    demonstrations, _ = collect(Collection(task="pick-place", method="static", timesteps=100), 0)
+    policy, _ = train(demonstrations, TINY, 0)
+    together = evaluate(PolicyPlayer(policy, 0), TASK, Evaluation(episodes=4))
+    assert [row["trial"] for row in together] == [0, 1, 2, 3]
+    assert together == evaluate(PolicyPlayer(policy, 0), TASK, Evaluation(episodes=4))
+    assert isinstance(trials(TASK, Evaluation())[0].configuration, SpatialConfiguration)

@@ -1,0 +1,295 @@
+"""Training: what it learns, that it resumes bit for bit, and what it leaves on disk."""
+
+import json
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import recipes
+import torch
+
+from move.errors import BadInput
+from move.learn import train as train_module
+from move.learn.checkpoint import load_policy, read
+from move.learn.diffusion import DiffusionPolicy
+from move.learn.settings import Training
+from move.learn.train import precision_used, step_generator, train
+from move.sim.demonstrations import Demonstrations
+
+
+@pytest.fixture(autouse=True)
+def one_thread():
+    before = torch.get_num_threads()
+    torch.set_num_threads(1)
+    yield
+    torch.set_num_threads(before)
+
+
+def settings(**changes) -> Training:
+    tiny = {"gradient_steps": 6, "warmup_steps": 2, "batch_size": 8, "mlp_width": 16, "mlp_depth": 1,
+            "precision": "float32"}
+    return recipes.keypoints(**{**tiny, **changes})
+
+
+def image_settings(**changes) -> Training:
+    tiny = {"gradient_steps": 6, "warmup_steps": 2, "batch_size": 8, "mlp_width": 16, "crop_pixels": 14,
+            "cnn_points": 4, "precision": "float32"}
+    return recipes.image_laptop(**{**tiny, **changes})
+
+
+def keypoints(timesteps: int = 60) -> Demonstrations:
+    """One state a timestep, and an action that is a smooth function of it."""
+    state = np.random.default_rng(0).uniform(-1, 1, (timesteps, 2)).astype(np.float32)
+    angle = np.arctan2(state[:, 1], state[:, 0])
+    actions = np.stack([np.sin(angle), np.cos(angle), state.mean(1)], 1).astype(np.float32)
+    return Demonstrations(np.concatenate([state, np.full((timesteps, 1), 0.7, np.float32)], 1), actions,
+                          np.arange(1, timesteps + 1))
+
+
+def images(timesteps: int = 60) -> Demonstrations:
+    """A bright spot, and an action that says where it is."""
+    rng = np.random.default_rng(0)
+    place = rng.integers(3, 13, (timesteps, 2))
+    frames = np.zeros((timesteps, 16, 16, 3), np.uint8)
+    for frame, (y, x) in zip(frames, place, strict=False):
+        frame[y - 1:y + 2, x - 1:x + 2] = 255
+    return Demonstrations(frames, ((place - 7.5) / 5).astype(np.float32), np.arange(1, timesteps + 1))
+
+
+def state_of(policy: DiffusionPolicy) -> dict[str, torch.Tensor]:
+    return policy.state_dict()
+
+
+def same(one: DiffusionPolicy, other: DiffusionPolicy) -> bool:
+    return all(torch.equal(tensor, state_of(other)[name]) for name, tensor in state_of(one).items())
+
+
+# what it learns
+
+def error_at_the_data(policy: DiffusionPolicy, demonstrations: Demonstrations) -> float:
+    observed = np.stack([demonstrations.observations] * 2, 1)  # every episode is one timestep long
+    executed = policy.act(observed, torch.Generator().manual_seed(0))
+    return float(np.abs(executed[:, 0] - demonstrations.actions).mean())
+
+
+@pytest.mark.parametrize("target", ["sample", "noise"])
+def test_it_reproduces_actions_that_are_a_function_of_keypoints(target):
+    plan = settings(gradient_steps=500, batch_size=64, mlp_width=64, mlp_depth=2, target=target, learning_rate=3e-3)
+    policy, report = train(keypoints(), plan, seed=0)
+    assert error_at_the_data(policy, keypoints()) < (0.05 if target == "sample" else 0.25)
+    assert report.curve[-1][1] < 0.3 * report.curve[0][1]
+
+
+def test_it_reproduces_actions_that_are_a_function_of_images():
+    plan = image_settings(gradient_steps=300, batch_size=32, mlp_width=64, crop_pixels=None, cnn_width=8,
+                          cnn_blocks=1, cnn_points=8, learning_rate=3e-3)
+    policy, _ = train(images(), plan, seed=0)
+    assert error_at_the_data(policy, images()) < 0.1
+
+
+def test_the_unet_learns():
+    plan = settings(gradient_steps=150, batch_size=32, denoiser="unet", unet_widths=(16, 32))
+    _, report = train(keypoints(), plan, seed=0)
+    assert report.curve[-1][1] < 0.3 * report.curve[0][1]
+
+
+def test_averaged_weights_are_the_average_of_the_weights(monkeypatch):
+    seen, take_step = [], train_module.Trainer.take_step
+
+    def watched(trainer):
+        loss = take_step(trainer)
+        seen.append([weight.detach().clone() for weight in trainer.weights])
+        return loss
+
+    monkeypatch.setattr(train_module.Trainer, "take_step", watched)
+    policy, _ = train(keypoints(), settings(ema_decay=0.5, ema_power=0.75), seed=0)
+    average = seen[0]
+    for step, weights in enumerate(seen[1:], 1):
+        keep = min(0.5, 1 - (1 + step) ** -0.75)
+        average = [keep * a + (1 - keep) * w for a, w in zip(average, weights, strict=False)]
+    for by_hand, returned in zip(average, policy.parameters(), strict=False):
+        torch.testing.assert_close(returned, by_hand)
+
+
+# randomness
+
+def test_the_same_seed_gives_the_same_policy_and_another_seed_another():
+    torch.manual_seed(1)
+    one, _ = train(keypoints(), settings(), seed=0)
+    torch.manual_seed(2)
+    before = torch.random.get_rng_state()
+    assert same(one, train(keypoints(), settings(), seed=0)[0])
+    assert not same(one, train(keypoints(), settings(), seed=1)[0])
+    assert torch.equal(torch.random.get_rng_state(), before)
+
+
+def test_every_step_has_its_own_randomness():
+    steps = [(seed, step) for seed in range(10) for step in range(-1, 50)]
+    first = {torch.rand((), generator=step_generator(seed, step)).item() for seed, step in steps}
+    assert len(first) == 510
+
+
+# going on after an interruption
+
+def interrupt_after(step: int):
+    def on_step(done: int, total: int, loss: float) -> None:
+        if done == step:
+            raise KeyboardInterrupt
+    return on_step
+
+
+@pytest.mark.parametrize("data, plan", [(keypoints(), settings()), (images(), image_settings())])
+@pytest.mark.parametrize("stopped", [1, 4, 5])
+def test_four_steps_and_two_more_are_six_bit_for_bit(tmp_path, data, plan, stopped):
+    straight, report = train(data, plan, seed=3)
+    with pytest.raises(KeyboardInterrupt):
+        train(data, plan, seed=3, checkpoint=tmp_path / "run", checkpoint_every=2, on_step=interrupt_after(stopped))
+    steps = []
+    resumed, resumed_report = train(data, plan, 3, tmp_path / "run", on_step=lambda done, *_: steps.append(done))
+    assert steps == list(range(stopped // 2 * 2 + 1, 7))
+    assert same(straight, resumed)
+    assert resumed_report.curve == report.curve
+
+
+def test_a_finished_run_is_not_trained_again(tmp_path):
+    policy, report = train(keypoints(), settings(), 3, tmp_path / "run")
+    again, again_report = train(keypoints(), settings(), 3, tmp_path / "run", on_step=interrupt_after(1))
+    assert same(policy, again)
+    assert again_report == report
+
+
+@pytest.mark.parametrize("step", [2, 6])
+def test_the_policy_loads_and_acts_as_it_did(tmp_path, step):
+    if step == 6:
+        policy, _ = train(images(), image_settings(), 3, tmp_path)
+    else:
+        with pytest.raises(KeyboardInterrupt):
+            train(images(), image_settings(), 3, tmp_path, checkpoint_every=2, on_step=interrupt_after(2))
+        policy = load_policy(tmp_path)
+    observed = np.stack([images().observations] * 2, 1)
+    noise = torch.randn(60, 4, 2, generator=torch.Generator().manual_seed(0))
+    assert np.array_equal(load_policy(tmp_path).act(observed, noise=noise), policy.act(observed, noise=noise))
+    assert read(tmp_path).averaged_steps == step
+
+
+def test_the_folder_holds_json_and_safetensors_and_nothing_old(tmp_path):
+    with pytest.raises(KeyboardInterrupt):
+        train(keypoints(), settings(), 3, tmp_path, checkpoint_every=2, on_step=interrupt_after(5))
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["run.json", "tensors-0000004.safetensors"]
+    unfinished = (tmp_path / "tensors-0000004.safetensors").stat().st_size
+    train(keypoints(), settings(), 3, tmp_path)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["run.json", "tensors-0000006.safetensors"]
+    assert (tmp_path / "tensors-0000006.safetensors").stat().st_size < unfinished / 2
+
+
+@pytest.mark.parametrize("die_at", ["tensors-0000004.safetensors", "run.json"])
+def test_dying_while_writing_leaves_the_checkpoint_before(tmp_path, monkeypatch, die_at):
+    replace = os.replace
+
+    def dying(source, target):
+        if str(target).endswith(die_at) and (tmp_path / "run.json").exists():
+            raise KeyboardInterrupt
+        replace(source, target)
+
+    monkeypatch.setattr(os, "replace", dying)
+    with pytest.raises(KeyboardInterrupt):
+        train(keypoints(), settings(), 3, tmp_path, checkpoint_every=2)
+    monkeypatch.undo()
+    assert read(tmp_path).step == 2
+    resumed, _ = train(keypoints(), settings(), 3, tmp_path)
+    assert same(resumed, train(keypoints(), settings(), 3)[0])
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["run.json", "tensors-0000006.safetensors"]
+
+
+@pytest.mark.parametrize("message, changes, seed", [
+    ("batch_size 8 there, 9 here", {"batch_size": 9}, 3),
+    ("seed 3 there, 4 here", {}, 4),
+])
+def test_a_checkpoint_of_another_run_is_refused(tmp_path, message, changes, seed):
+    train(keypoints(), settings(), 3, tmp_path)
+    with pytest.raises(BadInput, match=f"another run: {message}"):
+        train(keypoints(), settings(**changes), seed, tmp_path)
+
+
+def test_a_checkpoint_of_other_demonstrations_is_refused(tmp_path):
+    train(keypoints(), settings(), 3, tmp_path)
+    with pytest.raises(BadInput, match="another run: data"):
+        train(keypoints(61), settings(), 3, tmp_path)
+
+
+def test_a_loss_that_is_no_number_stops_training(monkeypatch):
+    monkeypatch.setattr(DiffusionPolicy, "loss", lambda self, *a: sum(w.sum() for w in self.parameters()) * torch.nan)
+    with pytest.raises(FloatingPointError, match="at gradient step 0; try a smaller learning_rate"):
+        train(keypoints(), settings(), 0)
+
+
+def test_a_missing_checkpoint_is_named(tmp_path):
+    with pytest.raises(BadInput, match="no checkpoint in .*nowhere"):
+        load_policy(tmp_path / "nowhere")
+
+
+def change_json(path, **changes):
+    path.write_text(json.dumps(json.loads(path.read_text()) | changes))
+
+
+@pytest.mark.parametrize("damage", [
+    lambda folder: (folder / "tensors-0000006.safetensors").unlink(),
+    lambda folder: (folder / "tensors-0000006.safetensors").write_bytes(b"short"),
+    lambda folder: (folder / "run.json").write_text("{"),
+    lambda folder: change_json(folder / "run.json", format=99),
+    lambda folder: change_json(folder / "run.json", unknown=1),
+    lambda folder: change_json(folder / "run.json", training={"encoder": "keypoints"}),
+])
+def test_a_damaged_checkpoint_is_refused_in_one_line(tmp_path, damage):
+    train(keypoints(), settings(), 3, tmp_path)
+    damage(tmp_path)
+    with pytest.raises(BadInput, match="^cannot read the checkpoint in [^\n]*$"):
+        load_policy(tmp_path)
+
+
+# the report, precision, observations that do not suit
+
+def test_the_report(tmp_path):
+    losses = []
+    policy, report = train(keypoints(), settings(gradient_steps=120), 0, on_step=lambda *step: losses.append(step))
+    assert [(done, total) for done, total, _ in losses] == [(i, 120) for i in range(1, 121)]
+    assert len(report.curve) == 50 and report.curve[-1][0] == 120
+    assert report.curve[0][1] == pytest.approx(np.mean([loss for _, _, loss in losses[:3]]), rel=1e-6)
+    assert report.parameters == sum(weight.numel() for weight in policy.parameters())
+    assert report.seconds > 0 and report.precision == "float32"
+
+
+@pytest.mark.parametrize("able, used", [
+    ({"avx512_bf16": True}, "bfloat16"), ({"amx_bf16": True}, "bfloat16"),
+    ({"avx512_bf16": False}, "float32"), ({}, "float32"),
+])
+def test_bfloat16_is_used_only_where_the_processor_has_it(monkeypatch, able, used):
+    monkeypatch.setattr(torch.cpu, "get_capabilities", lambda: able)
+    assert precision_used("bfloat16") == used
+    assert precision_used("float32") == "float32"
+
+
+@pytest.mark.parametrize("data, plan", [(keypoints(), settings), (images(), image_settings)])
+def test_bfloat16_trains_about_as_float32_does(monkeypatch, data, plan):
+    monkeypatch.setattr(train_module, "precision_used", lambda wanted, device="cpu": wanted)
+    _, half = train(data, plan(precision="bfloat16"), 0)
+    _, full = train(data, plan(precision="float32"), 0)
+    assert half.precision == "bfloat16"
+    assert half.curve[-1][1] == pytest.approx(full.curve[-1][1], rel=0.05)
+
+
+def test_the_profiles_can_be_made():
+    assert recipes.keypoints().encoder == "keypoints" and recipes.image_laptop().crop_pixels == 88
+    assert recipes.paper().executed == slice(1, 4)
+
+
+def test_images_for_a_keypoint_policy_are_refused():
+    with pytest.raises(BadInput, match="encoder 'keypoints'"):
+        train(images(), settings(), 0)
+
+
+def test_settings_are_quick_to_import():
+    code = "import sys, move.learn.settings; print(any(name in sys.modules for name in ('torch', 'diffusers')))"
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "False\n"

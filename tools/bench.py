@@ -1,0 +1,159 @@
+"""The speed figures of the README, each against a reference measured in the same run, on one core (`make bench`)."""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+import warnings
+from collections.abc import Callable
+
+for name in ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "LP_NUM_THREADS"):
+    os.environ[name] = "1"
+warnings.filterwarnings("ignore")
+
+import gymnasium  # noqa: E402
+import metaworld  # noqa: E402, F401  (registers Meta-World/MT1)
+import mujoco  # noqa: E402
+import numpy as np  # noqa: E402
+import torch  # noqa: E402
+from metaworld.policies import ENV_POLICY_MAP  # noqa: E402
+from rich.console import Console  # noqa: E402
+from rich.table import Table  # noqa: E402
+
+from move.learn.evaluate import Evaluation, PolicyPlayer, evaluate  # noqa: E402
+from move.learn.train import train  # noqa: E402
+from move.sim.collect import Collection, attempts, collect  # noqa: E402
+from move.sim.observe import gl_problem, gl_renderer  # noqa: E402
+from move.sim.scene import Scene  # noqa: E402
+from move.sim.tasks import get_task  # noqa: E402
+from move.study.profiles import load_profile  # noqa: E402
+from move.study.provenance import peak_memory_mb, processor  # noqa: E402
+
+TASK = "pick-place"
+torch.set_num_threads(1)
+rows: list[tuple[str, str, str, str, str]] = []
+
+
+def seconds(work: Callable[[], object]) -> float:
+    """Wall-clock seconds of one call."""
+    started = time.perf_counter()
+    work()
+    return time.perf_counter() - started
+
+
+def report(what: str, ours: str, reference: str, ratio: float | None, wanted: str) -> None:
+    """Note one line of the table."""
+    rows.append((what, ours, reference, f"{ratio:.1f}x" if ratio else "", wanted))
+
+
+def stock_collection(steps: int) -> int:
+    """Meta-World as it comes, stepped by its own scripted policy; returns the steps made."""
+    env, policy, made = gymnasium.make("Meta-World/MT1", env_name="pick-place-v3", seed=0), None, 0
+    policy = ENV_POLICY_MAP["pick-place-v3"]()
+    while made < steps:
+        observation, _ = env.reset()
+        successes = 0
+        while successes < 10:
+            action = np.clip(policy.get_action(observation), -1, 1).astype(np.float32)
+            observation, _, _, truncated, info = env.step(action)
+            successes, made = successes + int(info["success"]), made + 1
+            if truncated:
+                break
+    return made
+
+
+def bench_collection() -> None:
+    """Demonstration steps a second, the same scripted policy in both."""
+    plan = Collection(task=TASK, method="static", timesteps=12_000, expert="metaworld")
+    collect(plan.model_copy(update={"timesteps": 200}), 0)
+    made = 12_000 / seconds(lambda: collect(plan, 0))
+    stock_collection(200)
+    counted: list[int] = []
+    took = seconds(lambda: counted.append(stock_collection(4000)))
+    stock = counted[0] / took
+    report("collection without images", f"{made:,.0f} steps/s", f"{stock:,.0f} stock Meta-World", made / stock, ">= 2x")
+
+
+def bench_expert() -> None:
+    """Success and length of the phase expert over 200 demonstrations of each method."""
+    for method in ("static", "adc", "move"):
+        tries = attempts(Collection(task=TASK, method=method, timesteps=1), seed=777)
+        episodes = [next(tries) for _ in range(200)]
+        kept = [len(episode.actions) for episode in episodes if episode.succeeded]
+        outcome = f"{len(kept) / 2:.1f} %, {np.mean(kept):.1f} steps"
+        report(f"expert, {method}, 200 demonstrations", outcome, "", None, "")
+
+
+def bench_drawing() -> None:
+    """Milliseconds a picture of 96 px, ours and with Meta-World's default settings at its own size."""
+    scene = Scene(TASK, "rgb", 96)
+    scene.reset(seed=0)
+    scene.draw(96)
+    fast = seconds(lambda: [scene.draw(96) for _ in range(40)]) / 40
+    stock = gymnasium.make("Meta-World/MT1", env_name="pick-place-v3", seed=0, render_mode="rgb_array",
+                           camera_name="corner2")
+    stock.reset()
+    stock.render()
+    slow = seconds(lambda: [stock.render() for _ in range(8)]) / 8
+    size = stock.render().shape[0]
+    report("drawing at 96 px", f"{fast * 1e3:.1f} ms", f"{slow * 1e3:.0f} ms stock, {size} px", slow / fast, ">= 10x")
+    model = stock.unwrapped.model
+    model.vis.global_.offwidth = model.vis.global_.offheight = 480
+    renderer = mujoco.Renderer(model, 96, 96)
+    renderer.update_scene(stock.unwrapped.data, "corner2")
+    renderer.render()
+    slow = seconds(lambda: [renderer.render() for _ in range(8)]) / 8
+    report("drawing at 96 px", f"{fast * 1e3:.1f} ms", f"{slow * 1e3:.0f} ms stock, 96 px", slow / fast, ">= 10x")
+
+
+def bench_keypoint_run() -> None:
+    """A whole keypoint run, and its evaluation batched against one episode at a time."""
+    task, recipe = get_task(TASK), load_profile("laptop").training["keypoints"]
+    made: dict[str, object] = {}
+    took = seconds(lambda: made.update(data=collect(Collection(task=TASK, method="move", timesteps=2500), 0)[0]))
+    trained = seconds(lambda: made.update(policy=train(made["data"], recipe, 0)[0]))
+    batched = seconds(lambda: evaluate(PolicyPlayer(made["policy"], 0), task, Evaluation()))
+    single = seconds(lambda: evaluate(PolicyPlayer(made["policy"], 0), task, Evaluation(episodes=20), together=1)) * 5
+    report("keypoint run, 2,500 timesteps", f"{took + trained + batched:.1f} s",
+           f"{took:.1f} + {trained:.1f} + {batched:.1f} s", None, "<= 40 s")
+    report("batched evaluation, 100 episodes", f"{batched:.1f} s", f"{single:.1f} s one at a time", single / batched,
+           ">= 3x")
+
+
+def bench_image_step() -> None:
+    """A gradient step on pictures, and what a run of 7,000 frames takes at that speed."""
+    recipe = load_profile("laptop").training["rgb"]
+    plan = Collection(task=TASK, method="static", timesteps=1000, observation="rgb", factors="object")
+    made: dict[str, object] = {}
+    drawn = seconds(lambda: made.update(data=collect(plan, 0)[0])) * 7
+    short = recipe.model_copy(update={"gradient_steps": 60, "warmup_steps": 10})
+    train(made["data"], recipe.model_copy(update={"gradient_steps": 5, "warmup_steps": 1}), 0)
+    step = seconds(lambda: made.update(policy=train(made["data"], short, 0)[0])) / 60
+    plan = Evaluation(layout="grid", grid_side=5, factors="object")
+    tried = seconds(lambda: evaluate(PolicyPlayer(made["policy"], 0), get_task(TASK), plan, "rgb")) / 25 * 153
+    whole = (drawn + step * recipe.gradient_steps + tried) / 60
+    report("image gradient step, batch 64", f"{step * 1e3:.0f} ms", "", None, "")
+    report("image run of 7,000 frames", f"{whole:.1f} core-min", f"{drawn:.0f} + {step * recipe.gradient_steps:.0f} + "
+           f"{tried:.0f} s (scaled up)", None, "<= 10")
+
+
+def main() -> None:
+    """Measure everything and print one table."""
+    bench_collection()
+    bench_expert()
+    bench_keypoint_run()
+    if gl_problem():
+        sys.stderr.write(f"{gl_problem()}\n")
+    else:
+        bench_drawing()
+        bench_image_step()
+    report("peak memory", f"{peak_memory_mb():,.0f} MB", "", None, "<= 2,000 MB")
+    table = Table("what", "ours", "reference", "ratio", "wanted", title=f"{processor()}, one core; GL: {gl_renderer()}")
+    for row in rows:
+        table.add_row(*row)
+    Console(width=130).print(table)
+
+
+if __name__ == "__main__":
+    main()
