@@ -100,7 +100,7 @@ class GraspExpert:
             self.count += 1
             if aside > 0.03:
                 self.phase = "approach"
-            elif (above < 0.012 and aside < 0.008) or self.count > 30:
+            elif (above < 0.012 and aside < 0.008) or self.count > self.grip.patience:
                 self.phase, self.count = "close", 0
         if self.phase == "close":
             self.count += 1

@@ -28,7 +28,7 @@ PICK_PLACE = Task(
     keypoints=("body:obj", "target"),
     success=near("body:obj", "target", 0.07),
     fixed=fixed((-0.05, 0.65, 0.02), (0.1, 0.85, 0.2)),
-    grip=Grip(offset=(-0.005, 0.0, 0.0)),
+    grip=Grip(offset=(-0.005, 0.0, 0.0), patience=30),
 )
 
 
@@ -70,7 +70,7 @@ ASSEMBLY = Task(
     turns_gripper=True,
     separation=0.10,
     clearance=0.10,
-    reachable=reach.wrench_clear_of_target(length=0.17, ring=0.05, ring_gap=0.09, handle_gap=0.06),
+    reachable=reach.wrench_clear_of_target(length=0.17, ring=0.05, ring_gap=0.09, handle_gap=0.08),
     object_steps=20,
     target_dimensions=2,
     placed_point="site:RoundNut",

@@ -52,6 +52,7 @@ class Grip:
     effort: float = 1.0
     opening: float = 0.0  # gripper command while approaching
     closing_steps: int = 8
+    patience: int = 60  # steps of descending after which it closes wherever it is
     otherwise: tuple[Vector, ...] = ()  # offsets tried in turn where the hand cannot go to the first
 
 
