@@ -105,8 +105,9 @@ def test_success_without_contact_does_not_count():
 def test_hammer_records_strict_success_and_others_do_not():
     (row,) = evaluate(Expert("phase"), get_task("hammer"), Evaluation(episodes=1))
     assert row["success"] and row["strict_success"]
+    assert Scene("hammer").reset(seed=0)[1]["strict_success"] is False
     (row,) = evaluate(Nothing(), get_task("pick-place"), Evaluation(episodes=1))
-    assert "strict_success" not in row
+    assert "strict_success" not in row and "strict_success" not in Scene("pick-place").reset(seed=0)[1]
 
 
 # collection and experts ------------------------------------------------------------------------------------------

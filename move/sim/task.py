@@ -101,7 +101,7 @@ class Task:
     target_steps: int = 90  # the target moves from the grasp until this step
     target_dimensions: int = 3  # 2: moves in the table's plane
     target_point: str = "target"  # where the placed point has to go
-    placed_point: str = ""  # of the held object; its object point unless named
+    placed_point: str = ""  # of the held object; named where there is a freeze distance
     freeze_distance: float = 0.0  # the target stands still while the placed point is nearer in the plane, metres
     jump_clearance: float = 0.0  # a jumping target stays this far in the plane from the object, metres
     strict_success: Success | None = None  # a harder condition, recorded beside success
