@@ -5,7 +5,8 @@ BIN := .venv/bin
 READY := .venv/ready
 CLUSTER_OPTION := $(if $(CLUSTER),--cluster $(CLUSTER))
 NOTEBOOKS := $(basename $(notdir $(wildcard notebooks/*.ipynb)))
-SHORT := $(foreach name,$(NOTEBOOKS),$(firstword $(subst _, ,$(name))))
+NUMBERED := $(filter fig% table1% table2% table3% table4% table5% table6%,$(NOTEBOOKS))
+SHORT := $(foreach name,$(NUMBERED),$(firstword $(subst _, ,$(name))))
 
 .DEFAULT_GOAL := help
 .PHONY: help setup figures test plan verify lab bench doctor lock clean $(NOTEBOOKS) $(SHORT)
@@ -34,7 +35,7 @@ $(NOTEBOOKS): $(READY)
 define short_name
 $(firstword $(subst _, ,$(1))): $(1)
 endef
-$(foreach name,$(NOTEBOOKS),$(if $(filter $(firstword $(subst _, ,$(name))),$(name)),,$(eval $(call short_name,$(name)))))
+$(foreach name,$(NUMBERED),$(eval $(call short_name,$(name))))
 
 test: $(READY)  ## run every test
 	$(BIN)/python -m ruff check move tests tools

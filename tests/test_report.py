@@ -29,6 +29,13 @@ def test_wilson_intervals_are_the_textbook_ones():
         assert (rate.low, rate.high) == pytest.approx((low, high), abs=0.005)
 
 
+@pytest.mark.parametrize("outcome", [0, 1])
+def test_an_interval_always_holds_its_rate(outcome):
+    for trials in range(1, 60):
+        rate = statistics.success_rate(np.full((3, trials), outcome))
+        assert 0 <= rate.low <= rate.value <= rate.high <= 1
+
+
 def test_seeds_that_disagree_widen_the_interval():
     agree = np.array([[1] * 10 + [0] * 10] * 4)
     disagree = np.array([[1] * 20, [1] * 20, [0] * 20, [0] * 20])

@@ -28,16 +28,17 @@ class Gathered:
     @property
     def source(self) -> str:
         """One line on observation, budget, seeds, missing runs and the profile's purpose."""
-        made = [result.spec for result in self.results if result.spec.collection]
-        seen = sorted({f"{s.collection.observation}"
-                       + (f" {s.collection.image_size} px" if s.observation == "rgb" else "") for s in made})
-        budgets = sorted({s.collection.timesteps for s in made})
-        seeds = len({s.seed for s in made})
+        trained = [result.spec for result in self.results if result.spec.training]
+        seen = sorted({f"{spec.observation} {spec.collection.image_size} px" if spec.observation == "rgb"
+                       else spec.observation for spec in trained})
+        budgets = sorted({spec.collection.timesteps for spec in trained})
+        seeds = len({result.spec.seed for result in self.results})
         minutes = sum(sum(result.seconds.values()) for result in self.results) / 60
-        missing = f"; {len(self.missing)} RUNS MISSING" if self.missing else ""
-        made_of = f"{', '.join(seen)}; {', '.join(f'{b:,}' for b in budgets)} timesteps"
-        return (f"{made_of}; {seeds} seed{'s' * (seeds != 1)}; "
-                f"{len(self.results)} runs, {minutes:.0f} core-minutes{missing}. {load_profile(self.profile).purpose}")
+        parts = [", ".join(seen), ", ".join(f"{budget:,}" for budget in budgets) + " timesteps"] if trained else []
+        parts += [f"{seeds} seed{'s' * (seeds != 1)}",
+                  f"{len(self.results)} runs, {minutes:.0f} minutes in all, one core each"]
+        parts += [f"{len(self.missing)} RUNS MISSING"] if self.missing else []
+        return "; ".join(parts) + f". {load_profile(self.profile).purpose}"
 
 
 def gather(specs: list[RunSpec], profile: str) -> Gathered:
@@ -55,10 +56,17 @@ def gather(specs: list[RunSpec], profile: str) -> Gathered:
 
 def publish(name: str, figure: Figure | None, tables: dict[str, pd.DataFrame], gathered: Gathered) -> None:
     """Write the figure (PDF, PNG) and the tables (CSV, LaTeX) of a notebook, and mark it as finished."""
-    folder = paths.figures(gathered.profile)
+    publish_alone(name, figure, tables, gathered.profile, gathered.source)
+
+
+def publish_alone(
+    name: str, figure: Figure | None, tables: dict[str, pd.DataFrame], profile: str, source: str = ""
+) -> None:
+    """`publish` for what no run was needed for; `source` is the small print under the figure."""
+    folder = paths.figures(profile)
     if figure is not None:
-        style.footnote(figure, gathered.source)
-        if gathered.profile == "smoke":
+        style.footnote(figure, source)
+        if profile == "smoke":
             figure.text(0.5, 0.5, "SMOKE", fontsize=60, color="red", alpha=0.15, ha="center", va="center", rotation=20)
         style.save(figure, name, folder)
     for suffix, content in tables.items():

@@ -6,8 +6,10 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
+from matplotlib.patches import Rectangle
 
 from move.report.style import COLOURS, NAMES
+from move.sim.tasks import TASKS
 
 
 def heatmap(episodes: pd.DataFrame, ax: Axes) -> QuadMesh:
@@ -71,3 +73,58 @@ def level(value: float, label: str, ax: Axes, style: str = "--") -> None:
     ax.axhline(value, color="#666666", lw=0.9, ls=style)
     ax.annotate(label, (1, value), xycoords=("axes fraction", "data"), xytext=(-2, 2), textcoords="offset points",
                 ha="right", fontsize=6, color="#444444")
+
+
+def task_rates(table: pd.DataFrame, controls: pd.DataFrame, ax: Axes) -> None:
+    """One group a task: each method's rate with its interval, between the task's floor and ceiling.
+
+    Args:
+        table: task, method, value, low, high.
+        controls: one row a task; columns "expert" (ceiling) and, where it exists, "goal-blind" (floor).
+    """
+    tasks, methods = list(table.task.unique()), list(table.method.unique())
+    for method, shift in zip(methods, np.linspace(-0.24, 0.24, len(methods)), strict=True):
+        rows = table[table.method == method].set_index("task").reindex(tasks)
+        errors = [rows.value - rows.low, rows.high - rows.value]
+        ax.errorbar(np.arange(len(tasks)) + shift, rows.value, errors, fmt="o", ms=3.5, lw=1, capsize=1.5,
+                    color=COLOURS[method], label=NAMES[method])
+    for name, style in (("expert", "-"), ("goal-blind", "--")):
+        if name in controls:
+            ax.hlines(controls[name].reindex(tasks), np.arange(len(tasks)) - 0.4, np.arange(len(tasks)) + 0.4,
+                      color="#444444", ls=style, lw=0.9, label=NAMES[name])
+    ax.set_xticks(range(len(tasks)), [TASKS[task].title for task in tasks], rotation=25, ha="right")
+    ax.set(ylabel="success rate", ylim=(-0.03, 1.05))
+
+
+def costs(table: pd.DataFrame, value: str, paper: dict[str, float], ax: Axes) -> None:
+    """Mean over the tasks of `value` for each method, one bar an expert, single tasks as dots, the paper dotted.
+
+    Args:
+        table: task, method, expert and the column `value`.
+        paper: the paper's value for each method that it has.
+    """
+    methods, experts = list(table.method.unique()), list(table.expert.unique())
+    for place, method in enumerate(methods):
+        for expert, shift in zip(experts, (-0.2, 0.2), strict=True):
+            values = table[(table.method == method) & (table.expert == expert)][value]
+            ax.bar(place + shift, values.mean(), width=0.36, color=COLOURS[method], alpha=0.9 if shift < 0 else 0.45)
+            ax.plot(np.full(len(values), place + shift), values, ".", color="black", ms=2.5)
+        if method in paper:
+            ax.plot([place - 0.42, place + 0.42], [paper[method]] * 2, color="black", ls=":", lw=1.4)
+    ax.set_xticks(range(len(methods)), [NAMES[method] for method in methods])
+
+
+def coverage(seen: pd.DataFrame, part: str, low: tuple, high: tuple, ax: Axes) -> None:
+    """Every place in the plane that `part` ("object" or "target") had at some timestep, inside its range (metres)."""
+    method = seen.method.iloc[0]
+    ax.plot(seen[f"{part}_x"] * 100, seen[f"{part}_y"] * 100, ".", color=COLOURS[method], ms=1.2, alpha=0.5)
+    ax.add_patch(Rectangle((low[0] * 100, low[1] * 100), (high[0] - low[0]) * 100, (high[1] - low[1]) * 100,
+                           fill=False, color="#888888", lw=0.8))
+    ax.set(aspect="equal", xlabel=f"{part} x (cm)")
+
+
+def picture(frame: np.ndarray, title: str, ax: Axes) -> None:
+    """A frame, or frames side by side, without axes."""
+    ax.imshow(frame)
+    ax.set_title(title, loc="left")
+    ax.axis("off")

@@ -17,9 +17,10 @@ COLOURS = {  # safe for colour-blind readers (Okabe and Ito); the same three met
     "nothing": "#999999",
     "random": "#999999",
     "expert": "#000000",
+    "goal-blind": "#999999",
 }
 NAMES = {"static": "static", "adc": "ADC", "move": "MOVE", "nothing": "do nothing", "random": "random actions",
-         "expert": "expert"}
+         "expert": "expert", "goal-blind": "goal-blind expert"}
 COLUMN_WIDTH = 3.5  # inches, one column of a two-column page
 PAGE_WIDTH = 7.2  # inches
 

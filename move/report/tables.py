@@ -5,6 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
+from move.sim.collect import METHODS
+from move.sim.tasks import TASKS
+from move.study import paper
+from move.study.profiles import load_profile
+from move.study.results import Result
 from move.study.statistics import success_rate
 
 
@@ -31,3 +36,65 @@ def rate_table(episodes: pd.DataFrame, by: list[str]) -> pd.DataFrame:
 def with_paper(table: pd.DataFrame, values: dict[str, float]) -> pd.DataFrame:
     """`table` with a column `paper`: the paper's value for each method, NaN where it has none."""
     return table.assign(paper=table.method.map(values))
+
+
+def collection_costs(results: list[Result]) -> pd.DataFrame:
+    """One row a task, method and expert: attempts, share that succeeded with its interval, mean steps of those.
+
+    Args:
+        results: of runs whose player is "collector".
+    """
+    rows = []
+    for result in results:
+        rate = success_rate(np.array([[row["success"] for row in result.rows]]))
+        kept = [row["steps"] for row in result.rows if row["success"]]
+        rows.append({"task": result.spec.task, "method": result.spec.method, "expert": result.spec.collection.expert,
+                     "attempts": rate.episodes, "generation_rate": rate.value, "low": rate.low, "high": rate.high,
+                     "mean_steps": float(np.mean(kept)) if kept else np.nan})
+    return pd.DataFrame(rows)
+
+
+def floors_and_ceilings(episodes: pd.DataFrame) -> pd.DataFrame:
+    """Success rate of each control on each task: one row a task, one column a control."""
+    controls = episodes[episodes.timesteps == 0]
+    return controls.pivot_table("success", "task", "method", aggfunc="mean", sort=False)
+
+
+def beside(table: pd.DataFrame, index: str, columns: str, value: str = "value") -> pd.DataFrame:
+    """A wide table for print: one row an `index`, one column a `columns`, cells "rate [low, high]"."""
+    cells = table.assign(cell=[f"{getattr(row, value):.2f} [{row.low:.2f}, {row.high:.2f}]"
+                               for row in table.itertuples()])
+    wide = cells.pivot(index=index, columns=columns, values="cell")
+    return wide.reindex(index=table[index].unique(), columns=table[columns].unique())
+
+
+def hyperparameters(profiles: list[str]) -> pd.DataFrame:
+    """Table 4: one row a hyperparameter, the profiles' recipes for pictures beside the paper's two columns."""
+    recipes = {name: load_profile(name).training["rgb"] for name in profiles}
+    rows = {
+        "prediction horizon": "prediction_horizon", "action horizon": "action_horizon",
+        "observation horizon": "observation_horizon", "gradient steps": "gradient_steps", "batch size": "batch_size",
+        "denoising steps in training": "diffusion_steps", "denoising steps in inference": "inference_steps",
+        "target": "target", "encoder": "encoder", "denoiser": "denoiser", "crop (pixels)": "crop_pixels",
+        "learning rate": "learning_rate",
+    }
+    return pd.DataFrame([
+        {"hyperparameter": shown, **{name: getattr(recipe, field) for name, recipe in recipes.items()},
+         "paper, simulation": paper.TABLE4_HYPERPARAMETERS.get(shown, ("", ""))[0],
+         "paper, real robot": paper.TABLE4_HYPERPARAMETERS.get(shown, ("", ""))[1]}
+        for shown, field in rows.items()
+    ]).astype(str)
+
+
+def data_sizes(costs: pd.DataFrame) -> pd.DataFrame:
+    """Table 5: timesteps of each task, the registry's beside the paper's, and how many demonstrations they are.
+
+    Args:
+        costs: as `collection_costs` gives them.
+    """
+    steps = costs[costs.expert == "phase"].pivot(index="task", columns="method", values="mean_steps")
+    return pd.DataFrame([
+        {"task": task.title, "timesteps": task.timesteps, "paper": paper.TABLE5_DATA_SIZES[name],
+         **{f"{method} demonstrations": round(task.timesteps / steps.loc[name, method]) for method in METHODS}}
+        for name, task in TASKS.items()
+    ])

@@ -16,6 +16,8 @@ from pydantic import Field, ValidationError, validate_call
 from move.errors import BadInput
 from move.learn.evaluate import Evaluation
 from move.sim.collect import METHODS, Collection
+from move.sim.experts import EXPERTS
+from move.sim.tasks import TASKS
 from move.study.profiles import first_problem, load_profile
 from move.study.spec import RunSpec
 
@@ -73,14 +75,49 @@ def keypoint_control(
         for method in METHODS
         for seed in range(seeds)
     ]
-    controls = [RunSpec(task="pick-place", seed=0, player=player, evaluation=evaluation)
-                for player in ("nothing", "random", "expert")]
-    return policies + controls
+    return policies + controls("pick-place", evaluation)
+
+
+@checked
+def table6_collection(profile: str = "laptop", attempts: Count = 100) -> list[RunSpec]:
+    """What a demonstration costs: attempts by each expert, static, ADC and MOVE, on every task (table 6)."""
+    load_profile(profile)
+    return [
+        RunSpec(task=task, seed=0, player="collector", evaluation=Evaluation(episodes=attempts),
+                collection=Collection(task=task, method=method, timesteps=1, expert=expert))
+        for expert in EXPERTS
+        for task in TASKS
+        for method in METHODS
+    ]
+
+
+@checked
+def table_keypoint_control(
+    profile: str = "laptop", timesteps: Count = 2500, seeds: Count = 3, episodes: Count = 100
+) -> list[RunSpec]:
+    """Every task from keypoints, three methods at one budget, between each task's floor and ceiling."""
+    recipe, evaluation = load_profile(profile).training["keypoints"], Evaluation(episodes=episodes)
+    policies = [
+        RunSpec(task=task, seed=seed, training=recipe, evaluation=evaluation,
+                collection=Collection(task=task, method=method, timesteps=timesteps))
+        for seed in range(seeds)
+        for task in TASKS
+        for method in METHODS
+    ]
+    return policies + [spec for task in TASKS for spec in controls(task, evaluation)]
+
+
+def controls(task: str, evaluation: Evaluation) -> list[RunSpec]:
+    """The floor and the ceiling of a task: doing nothing, random actions, the expert told a wrong goal, the expert."""
+    players = ["nothing", "random", "expert"] + (["goal-blind"] if TASKS[task].has_target else [])
+    return [RunSpec(task=task, seed=0, player=player, evaluation=evaluation) for player in players]
 
 
 EXPERIMENTS: dict[str, Callable[..., list[RunSpec]]] = {
     "fig1_sparse": fig1_sparse,
     "keypoint_control": keypoint_control,
+    "table6_collection": table6_collection,
+    "table_keypoint_control": table_keypoint_control,
 }
 
 

@@ -7,6 +7,7 @@ import shutil
 import time
 from collections.abc import Callable
 from dataclasses import asdict
+from itertools import islice
 from pathlib import Path
 
 import torch
@@ -16,7 +17,7 @@ from move.learn.diffusion import DiffusionPolicy
 from move.learn.evaluate import Expert, GoalBlind, Nothing, Player, PolicyPlayer, Random, evaluate
 from move.learn.train import TrainingReport, train
 from move.paths import RUNS
-from move.sim.collect import collect
+from move.sim.collect import attempts, collect
 from move.sim.tasks import get_task
 from move.study.provenance import provenance
 from move.study.results import Result, store
@@ -37,7 +38,29 @@ def run(
     torch.set_num_threads(1)
     report = on_progress or (lambda part, done, total: None)
     seconds: dict[str, float] = {}
-    player, collected, trained = _player(spec, report, seconds, scratch or RUNS)
+    collected = trained = None
+    if spec.player == "collector":
+        rows = _count_attempts(spec, report, seconds)
+    else:
+        player, collected, trained = _player(spec, report, seconds, scratch or RUNS)
+        rows = _evaluate(spec, player, report, seconds)
+    result = Result(spec, rows, collected, trained, {part: round(value, 2) for part, value in seconds.items()},
+                    provenance(draws=spec.observation == "rgb"))
+    store(result, folder)
+    return result
+
+
+def _count_attempts(spec: RunSpec, report: OnProgress, seconds: dict[str, float]) -> list[dict]:
+    """One row an attempt to demonstrate: whether it succeeded, and its steps."""
+    started, rows = time.perf_counter(), []
+    for number, episode in enumerate(islice(attempts(spec.collection, spec.seed), spec.evaluation.episodes)):
+        rows.append({"trial": number, "group": "attempt", "success": episode.succeeded, "steps": len(episode.actions)})
+        report("collect", number + 1, spec.evaluation.episodes)
+    seconds["collect"] = time.perf_counter() - started
+    return rows
+
+
+def _evaluate(spec: RunSpec, player: Player, report: OnProgress, seconds: dict[str, float]) -> list[dict]:
     started = time.perf_counter()
     rows = evaluate(
         player, get_task(spec.task), spec.evaluation,
@@ -46,10 +69,7 @@ def run(
         on_step=lambda done, total: report("evaluate", done, total),
     )
     seconds["evaluate"] = time.perf_counter() - started
-    result = Result(spec, rows, collected, trained, {part: round(value, 2) for part, value in seconds.items()},
-                    provenance(draws=spec.observation == "rgb"))
-    store(result, folder)
-    return result
+    return rows
 
 
 def _player(

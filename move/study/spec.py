@@ -17,7 +17,7 @@ RESULTS_VERSION = 1
 
 
 class RunSpec(BaseModel):
-    """One run: collect, train, evaluate; or a control, which only evaluates.
+    """One run: collect, train, evaluate; or a control, which only evaluates; or attempts to demonstrate, counted.
 
     Two runs with the same hash are the same run. Fields left at their defaults do not enter the hash, so a field
     added later, whose default means what was done before, keeps the results that exist.
@@ -27,16 +27,18 @@ class RunSpec(BaseModel):
 
     task: str
     seed: int = Field(ge=0)
-    player: Literal["policy", "nothing", "random", "expert", "goal-blind"] = "policy"
+    player: Literal["policy", "nothing", "random", "expert", "goal-blind", "collector"] = "policy"
     collection: Collection | None = None
     training: Training | None = None
     evaluation: Evaluation = Evaluation()
     results_version: int = RESULTS_VERSION
 
     @model_validator(mode="after")
-    def _policy_needs_data(self) -> Self:
-        if (self.player == "policy") != (self.collection is not None and self.training is not None):
-            raise ValueError(f"player {self.player!r}: a policy has a collection and a training, a control neither")
+    def _parts_fit_the_player(self) -> Self:
+        needed = {"policy": (True, True), "collector": (True, False)}.get(self.player, (False, False))
+        if needed != (self.collection is not None, self.training is not None):
+            raise ValueError(f"player {self.player!r}: a policy has a collection and a training, a collector a "
+                             "collection only, a control neither")
         if self.collection and self.collection.task != self.task:
             raise ValueError(f"task {self.task!r} but a collection of {self.collection.task!r}")
         return self
@@ -63,5 +65,7 @@ class RunSpec(BaseModel):
         """One line that names the run to a reader."""
         if self.collection is None:
             return f"{self.task} {self.player}"
+        if self.player == "collector":
+            return f"{self.task} attempts, {self.collection.method}, {self.collection.expert} expert"
         made = f"{self.collection.method} {self.collection.protocol} {self.collection.timesteps} {self.observation}"
         return f"{self.task} {made} seed {self.seed}"

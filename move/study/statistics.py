@@ -59,8 +59,10 @@ def success_rate(successes: np.ndarray) -> Rate:
     if successes.size == 0:
         raise ValueError("success_rate: no episode given; allowed is at least one")
     effective = successes.size / design_effect(successes)
-    low, high = proportion_confint(successes.mean() * effective, effective, alpha=1 - CONFIDENCE, method="wilson")
-    return Rate(float(successes.mean()), float(low), float(high), *map(int, (len(successes), successes.size)))
+    rate = float(successes.mean())
+    low, high = proportion_confint(rate * effective, effective, alpha=1 - CONFIDENCE, method="wilson")
+    low, high = min(float(low), rate), max(float(high), rate)  # against rounding at 0 and 1
+    return Rate(rate, low, high, seeds=len(successes), episodes=successes.size)
 
 
 def difference(first: np.ndarray, second: np.ndarray, rng: np.random.Generator) -> tuple[float, float, float]:

@@ -1,0 +1,55 @@
+"""Frames and short films of the scene, drawn from real rollouts."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import imageio.v3 as imageio
+import numpy as np
+
+from move.sim.collect import Collection, attempt_seed, collecting_env, demonstrate
+from move.sim.experts import make_expert
+from move.sim.moving import Motions
+from move.sim.tasks import get_task
+
+FRAMES_PER_SECOND = 25  # two timesteps of three are shown at real speed
+
+
+def demonstration_frames(collection: Collection, seed: int) -> np.ndarray:
+    """The pictures of the first successful demonstration, shape (timesteps, size, size, 3), uint8.
+
+    Raises:
+        BadInput: pictures cannot be drawn on this machine.
+    """
+    env, expert = collecting_env(collection), make_expert(collection.expert, get_task(collection.task))
+    for attempt in range(20):
+        episode = demonstrate(env, expert, attempt_seed(seed, attempt), {"factors": collection.factors})
+        if episode.succeeded:
+            break
+    return np.stack(episode.observations)
+
+
+def demonstration(task: str, method: str, image_size: int = 192, motions: Motions | None = None) -> Collection:
+    """The collection that a film of one demonstration shows."""
+    return Collection(task=task, method=method, timesteps=1, observation="rgb", image_size=image_size,
+                      motions=motions or Motions())
+
+
+def only(part: str) -> Motions:
+    """Motions of which only one is left, fast enough to be seen: "translation", "rotation" or "camera"."""
+    still = {"object_speed": 0.0, "target_speed": 0.0, "yaw_speed": 0.0, "camera_speed": 0.0}
+    moving = {"translation": {"object_speed": 0.03}, "rotation": {"yaw_speed": 0.1}, "camera": {"camera_speed": 0.07}}
+    return Motions(**{**still, **moving[part]})
+
+
+def strip(frames: np.ndarray, count: int) -> np.ndarray:
+    """`count` evenly spaced frames side by side, shape (size, count * size, 3), uint8."""
+    chosen = np.linspace(0, len(frames) - 1, count).round().astype(int)
+    return np.concatenate(frames[chosen], axis=1)
+
+
+def write_film(frames: np.ndarray, path: Path) -> Path:
+    """Write frames as a small MP4 (H.264)."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    imageio.imwrite(path, frames, plugin="pyav", codec="libx264", fps=FRAMES_PER_SECOND)
+    return path

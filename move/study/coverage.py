@@ -1,0 +1,87 @@
+"""How much of the space of configurations a collection shows: what each timestep's scene looked like, and a share.
+
+Figure 2 of the paper draws the idea; here it gets a number: the share of equal cells that at least one timestep
+visited, for the object's place, the target's place and the camera's angle.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pandas as pd
+
+from move.sim.collect import Collection, attempt_seed, collecting_env, demonstrate
+from move.sim.experts import make_expert
+from move.sim.tasks import Task, get_task
+
+SIDE = 10  # cells along each axis of a place
+ANGLES = 20  # cells of the camera's range
+PARTS = ("object", "target", "camera")
+
+
+class Recorder(gymnasium.Wrapper):
+    """Notes the scene's configuration at each timestep that is observed."""
+
+    def __init__(self, env: gymnasium.Env) -> None:
+        super().__init__(env)
+        self.seen: list[dict[str, Any]] = []
+
+    def reset(self, **keywords: Any) -> tuple[np.ndarray, dict]:
+        """Start an episode."""
+        outcome = self.env.reset(**keywords)
+        self._note()
+        return outcome
+
+    def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict]:
+        """Step and note where everything is."""
+        outcome = self.env.step(action)
+        self._note()
+        return outcome
+
+    def _note(self) -> None:
+        now = self.unwrapped.configuration
+        self.seen.append({
+            "phase": self.unwrapped.phase,
+            **dict(zip(("object_x", "object_y", "object_z"), now.object_position, strict=True)),
+            **dict(zip(("target_x", "target_y", "target_z"), now.target_position, strict=True)),
+            "camera_angle": now.camera_angle,
+            "object_yaw": now.object_yaw,
+        })
+
+
+def configurations(collection: Collection, seed: int) -> pd.DataFrame:
+    """Where object, target (metres) and camera (radians) were at each timestep of a collection, one row each.
+
+    Columns besides: episode, timestep, method. Failed attempts are left out, as in the data set itself.
+    """
+    recorder = Recorder(collecting_env(collection))
+    expert, frames, total, attempt = make_expert(collection.expert, get_task(collection.task)), [], 0, 0
+    while total < collection.timesteps:
+        recorder.seen = []
+        options = {"factors": collection.factors}
+        episode = demonstrate(recorder, expert, attempt_seed(seed, attempt), options)
+        attempt += 1
+        if episode.succeeded:
+            frame = pd.DataFrame(recorder.seen[: len(episode.actions)])
+            frames.append(frame.assign(episode=len(frames), timestep=range(len(frame))))
+            total += len(frame)
+    return pd.concat(frames, ignore_index=True).head(collection.timesteps).assign(method=collection.method)
+
+
+def visited_share(seen: pd.DataFrame, task: Task, part: str) -> float:
+    """Share of the cells of `part` ("object", "target" or "camera") that at least one row of `seen` lies in.
+
+    Places are divided into 10 x 10 cells of the range in the plane, the camera's range into 20. The object counts
+    while it lies on the table (pick phase); afterwards the hand has it.
+    """
+    if part == "camera":
+        low, high = task.camera_range
+        cells = np.floor((seen.camera_angle - low) / (high - low) * ANGLES).clip(0, ANGLES - 1)
+        return cells.nunique() / ANGLES
+    rows = seen[seen.phase == "pick"] if part == "object" else seen
+    box = task.object_range if part == "object" else task.target_range
+    x, y = (np.floor((rows[f"{part}_{axis}"] - box.low[index]) / (box.high[index] - box.low[index]) * SIDE)
+            .clip(0, SIDE - 1) for index, axis in enumerate("xy"))
+    return len(set(zip(x, y, strict=True))) / SIDE**2
