@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 
 from move.sim.collect import METHODS
+from move.sim.task import kept_share
 from move.sim.tasks import TASKS
 from move.study import paper
 from move.study.profiles import load_profile
@@ -98,3 +99,12 @@ def data_sizes(costs: pd.DataFrame) -> pd.DataFrame:
          **{f"{method} demonstrations": round(task.timesteps / steps.loc[name, method]) for method in METHODS}}
         for name, task in TASKS.items()
     ])
+
+
+def kept_shares(rng: np.random.Generator, configurations: int = 1000) -> pd.DataFrame:
+    """For each task the share of random configurations that its reach and clearance filter keeps.
+
+    The same filter serves static starts, ADC's jumps, MOVE's motions and evaluation.
+    """
+    return pd.DataFrame([{"task": name, "kept_share": kept_share(task, rng, configurations)}
+                         for name, task in TASKS.items()])
