@@ -55,12 +55,22 @@ def gather(specs: list[RunSpec], profile: str) -> Gathered:
 
 def publish(name: str, figure: Figure | None, tables: dict[str, pd.DataFrame], gathered: Gathered) -> None:
     """Write the figure (PDF, PNG) and the tables (CSV, LaTeX) of a notebook, and mark it as finished."""
-    folder = paths.figures(gathered.profile)
+    write(name, figure, tables, gathered.profile, gathered.source)
+    notebooks.finished()
+
+
+def write(name: str, figure: Figure | None, tables: dict[str, pd.DataFrame], profile: str, source: str) -> None:
+    """Write one figure and its tables into the profile's folder; for notebooks with several, or without runs.
+
+    Args:
+        tables: suffix of the file's name ("" for none) -> table.
+        source: where the numbers come from, one line under the figure.
+    """
+    folder = paths.figures(profile)
     if figure is not None:
-        style.footnote(figure, gathered.source)
-        if gathered.profile == "smoke":
-            figure.text(0.5, 0.5, "SMOKE", fontsize=60, color="red", alpha=0.15, ha="center", va="center", rotation=20)
+        style.footnote(figure, source)
+        if profile == "smoke":
+            style.stamp(figure, "SMOKE", "red", 60)
         style.save(figure, name, folder)
     for suffix, content in tables.items():
         style.save_table(content, name if suffix == "" else f"{name}_{suffix}", folder)
-    notebooks.finished()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
+from move.report.style import NAMES
 from move.study.statistics import success_rate
 
 
@@ -31,3 +32,26 @@ def rate_table(episodes: pd.DataFrame, by: list[str]) -> pd.DataFrame:
 def with_paper(table: pd.DataFrame, values: dict[str, float]) -> pd.DataFrame:
     """`table` with a column `paper`: the paper's value for each method, NaN where it has none."""
     return table.assign(paper=table.method.map(values))
+
+
+def printed_trials(table: pd.DataFrame) -> pd.DataFrame:
+    """Table 3 as it is printed: counts, per cent with the exact interval, scores with the range they could have.
+
+    Args:
+        table: from `move.study.realworld.trials.real_table`.
+    """
+    rows = [
+        {"timesteps": f"{row.timesteps // 1000}k", "method": NAMES[row.method],
+         "successes": f"{row.successes}/{row.trials}", "success": f"{100 * row.rate:.1f} %",
+         "95 % interval": f"{100 * row.low:.1f} to {100 * row.high:.1f} %", "score": f"{row.normalised:.3f}",
+         "allowed score": f"{row.score_low:.3f} to {row.score_high:.3f}"}
+        for row in table.itertuples()
+    ]
+    return pd.DataFrame(rows)
+
+
+def printed_pairs(table: pd.DataFrame) -> pd.DataFrame:
+    """Pairs of cells with the methods' display names, from `move.study.realworld.trials.comparisons`."""
+    cells = {column: [cell.split() for cell in table[column]] for column in ("first", "second")}
+    return table.assign(**{column: [f"{NAMES[method]} {size}" for method, size in cell]
+                           for column, cell in cells.items()})
