@@ -70,7 +70,7 @@ def write(name: str, figure: Figure | None, tables: dict[str, pd.DataFrame], pro
     if figure is not None:
         style.footnote(figure, source)
         if profile == "smoke":
-            style.stamp(figure, "SMOKE", "red", 60)
+            style.stamp(figure, "SMOKE", "red", 80)
         style.save(figure, name, folder)
     for suffix, content in tables.items():
         style.save_table(content, name if suffix == "" else f"{name}_{suffix}", folder)

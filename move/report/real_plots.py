@@ -128,7 +128,7 @@ def speed_dots(table: pd.DataFrame, ax: Axes) -> None:
         ax.plot(place + spread, values, marker="o", linestyle="none", markersize=4, color=COLOURS[method], alpha=0.8)
     ax.set_xticks(range(len(methods)), [NAMES[method] for method in methods])
     unit = table["unit"].iloc[0] if len(table) else "px"
-    ax.set(ylabel=f"object's mean speed ({unit}/s)", xlim=(-0.6, len(methods) - 0.4))
+    ax.set(ylabel=f"object's speed ({unit}/s)", xlim=(-0.6, len(methods) - 0.4))
     ax.set_ylim(bottom=0)
     ax.grid(axis="y", color="0.9")
 

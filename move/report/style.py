@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import textwrap
 from pathlib import Path
 
@@ -43,9 +44,15 @@ def footnote(figure: Figure, text: str) -> None:
 
 
 def stamp(figure: Figure, text: str, colour: str = "0.35", points: float = 24) -> None:
-    """Write `text` large across the figure: what a reader must not overlook, also on a copied picture."""
-    figure.text(0.5, 0.5, text, fontsize=points * figure.get_figwidth() / PAGE_WIDTH, color=colour, alpha=0.2,
-                ha="center", va="center", rotation=18, weight="bold", zorder=100)
+    """Write `text` across the figure: what a reader must not overlook, also on a copied picture.
+
+    Args:
+        points: size of the letters on a figure of the page's width; they shrink with it.
+    """
+    width, height = figure.get_size_inches()
+    rotation = 0.6 * math.degrees(math.atan2(height, width))
+    figure.text(0.5, 0.5, text, fontsize=points * width / PAGE_WIDTH, color=colour, alpha=0.2, ha="center",
+                va="center", rotation=rotation, weight="bold", zorder=100)
 
 
 def save(figure: Figure, name: str, folder: Path) -> None:
@@ -60,7 +67,7 @@ def save_table(table: pd.DataFrame, name: str, folder: Path, printed: pd.DataFra
     folder.mkdir(parents=True, exist_ok=True)
     table.to_csv(folder / f"{name}.csv", float_format="%.4f", index=table.index.name is not None)
     printed = table if printed is None else printed
-    styled = printed.style.format(precision=3, escape="latex", na_rep="--")
+    styled = printed.style.format(precision=3, escape="latex", na_rep="--").format_index(escape="latex", axis="columns")
     if printed.index.name is None:
         styled = styled.hide(axis="index")
     (folder / f"{name}.tex").write_text(styled.to_latex(hrules=True))
