@@ -27,8 +27,8 @@ def episode(xy, gripper=None, method="move", index=0, frames=None):
                {"cam": Frames("memory", lambda: steps, lambda numbers: (frames[n] for n in numbers))})
     return RobotEpisode(part="p", method=method, index=index, source=".", timestamps_s=np.arange(steps) / 10,
                         joints=None, end_effector=pose, gripper=None if gripper is None else np.asarray(gripper, float),
-                        gripper_unit="m", action=pose[:, :2], action_names=("x", "y"), cameras=cameras, lengths={},
-                        notes=())
+                        gripper_unit="m", action=pose[:, :2], action_names=("x", "y"), state=None, cameras=cameras,
+                        lengths={}, notes=())
 
 
 def test_cells_fill_the_half_disc():
@@ -169,7 +169,7 @@ def test_setup_figure_says_what_it_is(simulated):
     plt.close(figure)
 
 
-@pytest.mark.parametrize("methods", [("static", "move"), ("unknown", )])
+@pytest.mark.parametrize("methods", [("static", "move"), ("unknown",)])
 def test_object_figure_one_map_a_method(methods):
     episodes = [
         episode(np.zeros((12, 2)), method=method, frames=[square(2, n) for n in range(12)]) for method in methods

@@ -13,6 +13,7 @@ workspace.py what the demonstrations cover
 tracking.py  where the orange is in the pictures
 checks.py    what was checked, and how it came out
 piper.py     the arm's limits and kinematics
+writing.py   columns and videos as LeRobot keeps them
 sample.py    a small simulated data set in the real layout
 safe.py      names from a data set stay inside its folder; reading errors get one line
 """

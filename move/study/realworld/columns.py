@@ -56,7 +56,8 @@ def split_columns(names: Sequence[str], width: int) -> tuple[dict[str, Columns],
     why = "no names" if not names else f"{len(names)} names that say nothing"
     arms = _by_width(width)
     note = (f"state of {width} columns with {why}: order assumed from the width" if arms else
-            (f"state of {width} columns with {why}: not understood; expected 6, 7, 12, 13 or 14 columns or names"))
+            f"state of {width} columns with {why}: kept as stored; for an arm, 6, 7, 12, 13 or 14 columns or names "
+            "are expected")
     return arms, note
 
 

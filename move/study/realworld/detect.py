@@ -70,7 +70,7 @@ def _claim(prefix: str, layout: str, left: set[str], root: Path) -> Part:
     """The part under one folder (or the one zip file)."""
     if prefix.endswith(".zarr.zip"):
         folder, name = Path(prefix).parent.as_posix(), Path(prefix).name
-        return Part(prefix, layout, root / folder, (name, ))
+        return Part(prefix, layout, root / folder, (name,))
     files = tuple(sorted(file.removeprefix(prefix) for file in left if file.startswith(prefix)))
     if layout == "lerobot":
         layout = "lerobot_v3" if any(file.startswith("meta/episodes/") for file in files) else "lerobot_v2"

@@ -53,6 +53,7 @@ class Recording:
     gripper: np.ndarray | None = None  # (T,) float64
     action: np.ndarray | None = None  # (T, k) float64
     action_names: tuple[str, ...] = ()
+    state: np.ndarray | None = None  # (T, w) float64, the whole state vector
     cameras: Mapping[str, Frames] = field(default_factory=dict)
     hints: Mapping[str, str] = field(default_factory=dict)  # quantity -> unit that a column's name states
     lengths: Mapping[str, int] = field(default_factory=dict)
@@ -77,6 +78,7 @@ class RobotEpisode:
     gripper_unit: str | None  # "m" or "normalised" (0 closed, 1 open)
     action: np.ndarray | None  # (T, k) float64, as stored (never converted)
     action_names: tuple[str, ...]
+    state: np.ndarray | None  # (T, w) float64, the whole state vector as stored (never converted)
     cameras: Mapping[str, Frames]  # camera name -> frames, read when asked for
     lengths: Mapping[str, int]  # stream -> number of entries found on disk
     notes: tuple[str, ...]  # what the reader had to assume
@@ -104,7 +106,8 @@ def make_recording(part: Part, ref: EpisodeRef, streams: Mapping[str, np.ndarray
     """Cut the streams of an episode to their shortest and give it time.
 
     Args:
-        streams: any of `timestamps_s`, `joints`, `end_effector`, `gripper`, `action`; first axis time; None: left out.
+        streams: any of `timestamps_s`, `joints`, `end_effector`, `gripper`, `action`, `state`; first axis time; None:
+            left out.
         fps: rate assumed where there are no timestamps, 1/s; None where there must be timestamps.
         rest: the other fields of `Recording`.
 
@@ -120,7 +123,7 @@ def make_recording(part: Part, ref: EpisodeRef, streams: Mapping[str, np.ndarray
     notes = tuple(rest.pop("notes", ()))
     if "timestamps_s" not in cut:
         cut["timestamps_s"] = np.arange(shortest) / (fps or 30.0)
-        notes += (f"no timestamps on disk: {fps or 30.0:g} Hz assumed", )
+        notes += (f"no timestamps on disk: {fps or 30.0:g} Hz assumed",)
     if shortest:
         cut["timestamps_s"] = cut["timestamps_s"] - cut["timestamps_s"][0]
     return Recording(part=part.name, index=ref.index, lengths=lengths, notes=notes, **cut, **rest)

@@ -11,14 +11,15 @@ import json
 from dataclasses import dataclass
 from pathlib import Path
 
-import av
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
 from move.study.paper import REAL_RADIUS_M
 from move.study.realworld.dataset import SIMULATED
+from move.study.realworld.layouts import lerobot_v2
 from move.study.realworld.piper import flange_pose, reach
+from move.study.realworld.writing import scalar_columns, scalar_features, vectors, write_video
 
 FPS = 5
 CAMERA = "observation.images.cam_global"
@@ -30,6 +31,7 @@ HEIGHT_M = {"travel": 0.26, "grasp": 0.15}
 OPEN_M, HOLD_M = 0.095, 0.062
 NAMES = [*(f"joint_{n}" for n in range(1, 7)), "gripper", "x", "y", "z", "roll", "pitch", "yaw"]
 METHODS = ("static", "move")
+VIDEO_OPTIONS = {"crf": "29", "g": "20", "preset": "veryfast"}
 
 
 @dataclass(frozen=True)
@@ -148,7 +150,8 @@ def _write_part(folder: Path, toys: list[Toy]) -> None:
     for index, (toy, angles) in enumerate(zip(toys, joints, strict=True)):
         state = np.column_stack([angles, toy.gripper_m, flange_pose(angles)]).astype(np.float32)
         _write_table(folder / f"data/chunk-000/episode_{index:06d}.parquet", state, index, first)
-        _write_video(folder / f"videos/chunk-000/{CAMERA}/episode_{index:06d}.mp4", toy)
+        write_video(folder / f"videos/chunk-000/{CAMERA}/episode_{index:06d}.mp4",
+                    (draw(toy, step) for step in range(len(state))), SIZE, FPS, "yuv420p", VIDEO_OPTIONS)
         lines.append(json.dumps({"episode_index": index, "tasks": ["put the orange on the tray"],
                                  "length": len(state)}))
         first += len(state)
@@ -159,21 +162,15 @@ def _write_part(folder: Path, toys: list[Toy]) -> None:
 
 
 def _info(episodes: int, frames: int) -> dict:
-    vector = {"dtype": "float32"}
-    scalars = {
-        "timestamp": "float32", "frame_index": "int64", "episode_index": "int64", "index": "int64",
-        "task_index": "int64",
-    }
     return {
         "codebase_version": "v2.1", "robot_type": "piper", "total_episodes": episodes, "total_frames": frames,
         "total_tasks": 1, "total_videos": episodes, "total_chunks": 1, "chunks_size": 1000, "fps": FPS,
-        "splits": {"train": f"0:{episodes}"},
-        "data_path": "data/chunk-{episode_chunk:03d}/episode_{episode_index:06d}.parquet",
-        "video_path": "videos/chunk-{episode_chunk:03d}/{video_key}/episode_{episode_index:06d}.mp4", "features": {
-            "observation.state": {**vector, "shape": [len(NAMES)],
-                                  "names": NAMES}, "action": {**vector, "shape": [7], "names": NAMES[:7]},
+        "splits": {"train": f"0:{episodes}"}, "data_path": lerobot_v2.DATA, "video_path": lerobot_v2.VIDEO,
+        "features": {
+            "observation.state": {"dtype": "float32", "shape": [len(NAMES)], "names": NAMES},
+            "action": {"dtype": "float32", "shape": [7], "names": NAMES[:7]},
             CAMERA: {"dtype": "video", "shape": [*SIZE, 3], "names": ["height", "width", "channels"]},
-            **{name: {"dtype": dtype, "shape": [1], "names": None} for name, dtype in scalars.items()},
+            **scalar_features(),
         },
     }
 
@@ -182,27 +179,6 @@ def _write_table(path: Path, state: np.ndarray, index: int, first: int) -> None:
     """Write one episode; the action is the next step's joints and gripper."""
     path.parent.mkdir(parents=True, exist_ok=True)
     action = np.vstack([state[1:, :7], state[-1:, :7]])
-    steps = np.arange(len(state), dtype=np.int64)
-    table = pa.table({
-        "observation.state": _vectors(state), "action": _vectors(action), "timestamp": (steps / FPS).astype(np.float32),
-        "frame_index": steps, "episode_index": np.full_like(steps, index), "index": steps + first,
-        "task_index": np.zeros_like(steps),
-    })
+    scalars = scalar_columns(np.array([len(state)]), FPS, first_episode=index, first_index=first)
+    table = pa.table({"observation.state": vectors(state), "action": vectors(action), **scalars})
     pq.write_table(table, path, compression="zstd", use_dictionary=False, write_statistics=False)
-
-
-def _vectors(values: np.ndarray) -> pa.Array:
-    return pa.FixedSizeListArray.from_arrays(pa.array(values.ravel()), values.shape[1])
-
-
-def _write_video(path: Path, toy: Toy) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with av.open(str(path), "w") as container:
-        stream = container.add_stream("libx264", rate=FPS, options={"crf": "29", "g": "20", "preset": "veryfast"})
-        stream.height, stream.width, stream.pix_fmt = *SIZE, "yuv420p"
-        stream.codec_context.thread_count = 1
-        for step in range(len(toy.gripper_m)):
-            for packet in stream.encode(av.VideoFrame.from_ndarray(draw(toy, step), format="rgb24")):
-                container.mux(packet)
-        for packet in stream.encode():
-            container.mux(packet)

@@ -126,7 +126,7 @@ def paired_test(sheet: pd.DataFrame, first: str, second: str, *, rng: np.random.
     a, b = pairs[first].to_numpy(), pairs[second].to_numpy()
     only_a = int(((a == REAL_POINTS) & (b < REAL_POINTS)).sum())
     only_b = int(((b == REAL_POINTS) & (a < REAL_POINTS)).sum())
-    gain = stats.permutation_test((b - a, ), np.mean, permutation_type="samples", n_resamples=9999, rng=rng)
+    gain = stats.permutation_test((b - a,), np.mean, permutation_type="samples", n_resamples=9999, rng=rng)
     return {
         "pairs": len(pairs), "only_first": only_a, "only_second": only_b,
         "mcnemar": float(stats.binomtest(only_a, only_a + only_b).pvalue) if only_a + only_b else 1.0,

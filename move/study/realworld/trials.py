@@ -128,7 +128,7 @@ def smallest_detectable(base: float, *, trials: int = REAL_TRIALS, wanted: float
     return high - base
 
 
-def power_table(bases: Sequence[float], *, trials: Sequence[int] = (REAL_TRIALS, ),
+def power_table(bases: Sequence[float], *, trials: Sequence[int] = (REAL_TRIALS,),
                 wanted: float = 0.8) -> pd.DataFrame:
     """Columns base, trials, detectable_rise, rate_needed: what so many trials of each method can show."""
     rows = [{"base": base, "trials": n, "detectable_rise": smallest_detectable(base, trials=n, wanted=wanted)}

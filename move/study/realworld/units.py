@@ -172,16 +172,16 @@ def convert(recording: Recording, rows: Sequence[UnitRow], overrides: Mapping[st
     pose = recording.end_effector
     if pose is not None:
         known = "position" in unit and "rotation" in unit
-        pose = (np.hstack([pose[:, :3] * LENGTH[unit["position"]], pose[:, 3:]
-                           * ANGLE[unit["rotation"]]]) if known else None)
+        scales = (LENGTH[unit["position"]], ANGLE[unit["rotation"]]) if known else ()
+        pose = pose * np.repeat(scales, 3) if known else None
     gripper, gripper_unit = _gripper(recording.gripper, unit.get("gripper"), given.get("gripper_closed_is", "low"))
     return RobotEpisode(
         part=recording.part, method=given.get("method", method), index=recording.index, source=recording.source,
         timestamps_s=recording.timestamps_s,
         joints=recording.joints * ANGLE[unit["joints"]] if recording.joints is not None and "joints" in unit else None,
         end_effector=pose, gripper=gripper, gripper_unit=gripper_unit, action=recording.action,
-        action_names=recording.action_names, cameras=recording.cameras, lengths=recording.lengths,
-        notes=recording.notes)
+        action_names=recording.action_names, state=recording.state, cameras=recording.cameras,
+        lengths=recording.lengths, notes=recording.notes)
 
 
 def _gripper(values: np.ndarray | None, unit: str | None, closed_is: str) -> tuple[np.ndarray | None, str | None]:

@@ -89,7 +89,7 @@ def _pika(part: Part, ref: EpisodeRef, file: h5py.File, path) -> Recording:
     position = _first(file, "arm/jointStatePosition", PIKA_ARMS)
     pose = _first(file, "arm/endPose", PIKA_ARMS)
     notes = []
-    if pose is None and (pose := _first(file, "localization/pose", ("pika", ))) is not None:
+    if pose is None and (pose := _first(file, "localization/pose", ("pika",))) is not None:
         notes.append("end effector is the Pika's own localisation: its frame is the tracker's, not the arm's base")
     gripper, hint = _first(file, "gripper/encoderDistance", PIKA_GRIPPERS), "m"
     if gripper is None:
@@ -101,7 +101,7 @@ def _pika(part: Part, ref: EpisodeRef, file: h5py.File, path) -> Recording:
     streams = {
         "joints": None if position is None else position[:, :6], "end_effector": None if pose is None else pose[:, :6],
         "gripper": gripper, "action": _first(file, "arm/jointStatePosition",
-                                             ("master", )) if "arm/jointStatePosition/master" in file else None,
+                                             ("master",)) if "arm/jointStatePosition/master" in file else None,
         "timestamps_s": file["timestamp"][()] if "timestamp" in file else None,
     }
     cameras = {}

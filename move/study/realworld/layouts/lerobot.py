@@ -98,7 +98,7 @@ def recording(part: Part, ref: EpisodeRef, info: Mapping[str, Any], table: pa.Ta
         "joints": state[:, columns.joints] if columns and columns.joints else None,
         "end_effector": state[:, columns.pose] if columns and columns.pose else None,
         "gripper": state[:, columns.gripper] if columns and columns.gripper is not None else None,
-        "action": to_matrix(table, action) if action else None,
+        "action": to_matrix(table, action) if action else None, "state": state,
         "timestamps_s": to_matrix(table, "timestamp")[:, 0] if "timestamp" in table.column_names else None,
     }
     return make_recording(

@@ -49,12 +49,12 @@ def read(part: Part, ref: EpisodeRef) -> Recording:
     with reading(folder, "an episode folder of the Pika raw tree"):
         sensors = {
             "joints": _choose(folder / "arm/jointState",
-                              PIKA_ARMS), "action": _choose(folder / "arm/jointState", ("master", ), only=True),
+                              PIKA_ARMS), "action": _choose(folder / "arm/jointState", ("master",), only=True),
             "end_effector": _choose(folder / "arm/endPose",
                                     PIKA_ARMS), "gripper": _choose(folder / "gripper/encoder", PIKA_GRIPPERS),
         }
         notes = []
-        if sensors["end_effector"] is None and (pose := _choose(folder / "localization/pose", ("pika", ))):
+        if sensors["end_effector"] is None and (pose := _choose(folder / "localization/pose", ("pika",))):
             sensors["end_effector"] = pose
             notes.append("end effector is the Pika's own localisation: its frame is the tracker's, not the arm's base")
         colour = folder / "camera/color"

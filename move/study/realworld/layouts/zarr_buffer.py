@@ -26,7 +26,7 @@ from move.study.realworld.safe import inside, reading
 
 JOINTS, POSE = ("robot_joint", "joint", "joints", "qpos"), ("robot_eef_pose", "eef_pose", "end_pose")
 GRIPPER, TIME = ("robot_gripper", "gripper", "gripper_width"), ("timestamp", "timestamps")
-SIMULATION = {"full_state", "state"}
+STATE, SIMULATION = ("state", "keypoints"), {"full_state", "state"}
 _METADATA = (".zarray", ".zgroup", ".zattrs", ".zmetadata", "zarr.json")
 
 
@@ -91,12 +91,13 @@ def read(part: Part, ref: EpisodeRef) -> Recording:
 
         gripper = rows(GRIPPER)
         streams = {
-            "joints": rows(JOINTS), "end_effector": rows(POSE), "action": rows(("action", )),
+            "joints": rows(JOINTS), "end_effector": rows(POSE), "action": rows(("action",)),
             "gripper": None if gripper is None else gripper.reshape(len(gripper), -1)[:, 0], "timestamps_s": rows(TIME),
+            "state": rows(STATE),
         }
         images = {key: _frames(part, key, start, end) for key, array in data.arrays() if array.ndim == 4}
-        notes = ["simulation data: state vectors are not a robot's joints and are left out"] * (set(data.array_keys())
-                                                                                                >= SIMULATION)
+        simulated = set(data.array_keys()) >= SIMULATION
+        notes = ["simulation data: the state is not a robot's joints, and is kept as stored"] if simulated else []
     return make_recording(part, ref, streams, fps=30.0, source=part.root, cameras=images | _videos(part, ref),
                           notes=notes)
 
