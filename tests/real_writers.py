@@ -208,7 +208,7 @@ def act_hdf5(folder: Path, *, arms: int = 1, images: str = "HWC") -> Path:
             file["observations/images/top"] = np.stack(
                 [np.frombuffer(e.ljust(width, b"\0"), np.uint8) for e in encoded])
         else:
-            data = file.create_dataset("observations/images/top", (STEPS, ), dtype=h5py.vlen_dtype(np.uint8))
+            data = file.create_dataset("observations/images/top", (STEPS,), dtype=h5py.vlen_dtype(np.uint8))
             for n in range(STEPS):
                 data[n] = np.frombuffer(jpeg(n), np.uint8)
     return folder
@@ -219,12 +219,12 @@ def robomind_hdf5(folder: Path, *, two_arms: bool = False) -> Path:
     place = folder / "put_orange/success_episodes/1017_163121/data"
     place.mkdir(parents=True)
     with h5py.File(place / "trajectory.hdf5", "w") as file:
-        for side in ("_left", "_right") if two_arms else ("", ):
+        for side in ("_left", "_right") if two_arms else ("",):
             still = two_arms and side == "_left"
             file[f"puppet/joint_position{side}"] = np.repeat(state()[:1], STEPS, axis=0) if still else state()
             file[f"master/joint_position{side}"] = state()[:-1] + 0.01
             file[f"puppet/end_effector{side}"] = pose()
-        data = file.create_dataset("observations/rgb_images/camera_top", (STEPS - 1, ), dtype=h5py.vlen_dtype(np.uint8))
+        data = file.create_dataset("observations/rgb_images/camera_top", (STEPS - 1,), dtype=h5py.vlen_dtype(np.uint8))
         for n in range(STEPS - 1):
             data[n] = np.frombuffer(jpeg(n), np.uint8)
     return folder

@@ -71,14 +71,14 @@ def test_real_data_are_not_called_simulated(tmp_path):
      ({"lengths": {"joints": 9, "action": 8}}, "streams of an episode are equally long", "differs"),
      ({"joints": np.full((5, 6), 3.0), "end_effector": None}, "joints stay within PIPER's limits", "differs"),
      ({"timestamps_s": np.arange(4.0)}, "every timestep has its frames", "fail"),
-     ({"notes": ("guessed", )}, "nothing had to be assumed", "differs"), ])
+     ({"notes": ("guessed",)}, "nothing had to be assumed", "differs"), ])
 def test_each_check_can_fail(sample, change, name, outcome):
     assert outcomes(sample)[name] == "pass"
     assert outcomes(spoil(sample, **change))[name] == outcome
 
 
 def test_unread_and_unknown_units_fail(sample):
-    assert outcomes(dataclasses.replace(sample, unread=("a: broken", )))["every chosen episode can be read"] == "fail"
+    assert outcomes(dataclasses.replace(sample, unread=("a: broken",)))["every chosen episode can be read"] == "fail"
     units = sample.units.assign(unit="unknown")
     assert outcomes(dataclasses.replace(sample, units=units))["all units are known"] == "fail"
 

@@ -113,7 +113,7 @@ def test_a_half_written_file_is_fetched_again(fake, tmp_path):
 
 def test_a_100_gb_file_is_never_fetched(fake, tmp_path):
     (fake.folder / "big").mkdir()
-    fake.extra = (("big/episode_0.hdf5", 100 * 10**9), )
+    fake.extra = (("big/episode_0.hdf5", 100 * 10**9),)
     with pytest.raises(BadInput, match=r"100\.00 GB, allowed are 2 GB \(largest: big/episode_0.hdf5"):
         open_dataset("BAAI/MOVE", folder=tmp_path / "kept")
     assert not any("data/" in name or "big" in name
@@ -121,13 +121,13 @@ def test_a_100_gb_file_is_never_fetched(fake, tmp_path):
 
 
 def test_a_100_gb_file_that_is_not_needed_does_no_harm(fake, tmp_path):
-    fake.extra = (("checkpoints/policy.ckpt", 100 * 10**9), )
+    fake.extra = (("checkpoints/policy.ckpt", 100 * 10**9),)
     assert len(open_dataset("BAAI/MOVE", folder=tmp_path / "kept").episodes) == 6
     assert "checkpoints/policy.ckpt" not in fake.fetched
 
 
 def test_the_cap_counts_metadata_too(fake, tmp_path):
-    fake.extra = (("static_35k/meta/huge.jsonl", 3 * 10**9), )
+    fake.extra = (("static_35k/meta/huge.jsonl", 3 * 10**9),)
     with pytest.raises(BadInput, match="allowed are 2 GB"):
         open_dataset("BAAI/MOVE", folder=tmp_path / "kept")
     assert fake.fetched == []
@@ -135,7 +135,7 @@ def test_the_cap_counts_metadata_too(fake, tmp_path):
 
 @pytest.mark.parametrize("name", ["../../.ssh/authorized_keys", "/etc/passwd", "a/../../b.parquet", "C:/x.parquet"])
 def test_names_that_leave_the_folder_are_refused(fake, tmp_path, name):
-    fake.extra = ((name, 10), )
+    fake.extra = ((name, 10),)
     with pytest.raises(BadInput, match="leaves the data set's folder"):
         hub.list_remote("BAAI/MOVE", None, tmp_path / "kept")
     with pytest.raises(BadInput, match="leaves the data set's folder"):
