@@ -9,7 +9,7 @@ NUMBERED := $(filter fig% table1% table2% table3% table4% table5% table6%,$(NOTE
 SHORT := $(foreach name,$(NUMBERED),$(firstword $(subst _, ,$(name))))
 
 .DEFAULT_GOAL := help
-.PHONY: help setup figures test plan verify lab bench doctor lock clean $(NOTEBOOKS) $(SHORT)
+.PHONY: help setup figures test plan verify lab bench doctor lock clean fig8 $(NOTEBOOKS) $(SHORT)
 
 help:  ## print this list
 	@echo "usage: make TARGET [PROFILE=smoke|laptop|...] [CLUSTER=tcp://host:8786] [TORCH_INDEX=url]"
@@ -36,6 +36,8 @@ define short_name
 $(firstword $(subst _, ,$(1))): $(1)
 endef
 $(foreach name,$(NUMBERED),$(eval $(call short_name,$(name))))
+
+fig8: table3_real_robot
 
 test: $(READY)  ## run every test
 	$(BIN)/python -m ruff check move tests tools

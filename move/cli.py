@@ -1,4 +1,4 @@
-"""The command line: move collect | train | evaluate | run | plan | verify | figure | doctor.
+"""The command line: move collect | export | train | evaluate | run | plan | verify | figure | doctor.
 
 Bad input ends with one line on standard error and exit code 2; a run that failed ends with exit code 1.
 """
@@ -23,6 +23,7 @@ app = typer.Typer(add_completion=False, no_args_is_help=True, rich_markup_mode=N
 
 Json = Annotated[bool, typer.Option("--json", help="print JSON for machines instead of a table for people")]
 Seed = Annotated[int, typer.Option(min=0, help="decides every random number")]
+ClipActions = Annotated[bool, typer.Option("--clip-actions", help="clip actions to -1..1 as Meta-World does")]
 ProfileName = Annotated[str, typer.Option(help="a settings file under profiles/")]
 Figure = Annotated[Optional[list[str]], typer.Option("--figure", help="a figure; may be repeated (default: all)")]
 
@@ -97,11 +98,26 @@ def collect(
 
 
 @app.command()
-def train(
+def export(
     data: Annotated[Path, typer.Argument(help="zarr folder that `move collect` wrote")],
+    out: Annotated[Path, typer.Argument(help="new folder to write")],
+    form: Annotated[str, typer.Option("--format", help="lerobot (v3.0) or zarr (diffusion_policy)")] = "lerobot",
+    clip_actions: ClipActions = False,
+    as_json: Json = False,
+) -> None:
+    """Write collected demonstrations as another program's data set."""
+    from move.study.export import export as write
+
+    show(write(data, out, form, clip_actions), as_json, "Exported")
+
+
+@app.command()
+def train(
+    data: Annotated[Path, typer.Argument(help="zarr folder: of `move collect`, or another replay buffer with images")],
     out: Annotated[Path, typer.Argument(help="folder for the checkpoint; training goes on from what it holds")],
     profile: ProfileName = "laptop",
     gradient_steps: Annotated[Optional[int], typer.Option(help="instead of the profile's")] = None,
+    clip_actions: ClipActions = False,
     seed: Seed = 0,
     as_json: Json = False,
 ) -> None:
@@ -111,7 +127,7 @@ def train(
     from move.learn.settings import Training
     from move.study.profiles import load_profile
 
-    demonstrations, _ = dataset.load(data)
+    demonstrations, _ = dataset.load(data, clip_actions)
     recipe = load_profile(profile).training["rgb" if demonstrations.has_images else "keypoints"].model_dump()
     if gradient_steps is not None:
         recipe |= {"gradient_steps": gradient_steps, "warmup_steps": min(recipe["warmup_steps"], gradient_steps // 2)}

@@ -11,6 +11,7 @@ NOTEBOOKS = ROOT / "notebooks"
 LOCK = ROOT / "environment.lock"
 BUILD = ROOT / "build"
 RUNS = BUILD / "runs"  # checkpoints and progress of single runs
+REALWORLD = BUILD / "realworld"  # real-robot data: what was fetched, and the simulated sample
 
 
 def results(profile: str) -> Path:

@@ -4,6 +4,7 @@ import json
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 
 from move import cli, paths
@@ -27,6 +28,8 @@ def move(capsys, *arguments: str) -> tuple[int, str, str]:
     (("collect", "--observation", "smell"), "observation: 'smell' given"),
     (("collect", "--tiemsteps", "5"), "No such option: --tiemsteps"),
     (("train", "nowhere.zarr", "out"), "no demonstrations at nowhere.zarr"),
+    (("export", "nowhere.zarr", "out"), "no demonstrations at nowhere.zarr"),
+    (("export", "nowhere.zarr", "out", "--format", "hdf5"), "format: 'hdf5' given; allowed are lerobot, zarr"),
     (("evaluate", "nowhere"), "no checkpoint in nowhere"),
     (("evaluate",), "checkpoint: none given"),
     (("evaluate", "--player", "dog"), "player: 'dog' given; allowed are policy"),
@@ -104,3 +107,24 @@ def test_without_gl_there_is_one_clear_line_and_keypoints_go_on():
                           capture_output=True, text=True, cwd=paths.ROOT)
     assert done.returncode == 0, done.stderr
     assert "apt-get install libegl1" in done.stdout
+
+
+def test_training_on_the_authors_published_images(capsys, tmp_path):
+    from test_dataset import published
+
+    actions = np.random.default_rng(0).uniform(-2, 2, (60, 4)).astype(np.float32)
+    published(tmp_path / "p.zarr", actions)
+    arguments = ("train", str(tmp_path / "p.zarr"), str(tmp_path / "policy"), "--profile", "smoke", "--json")
+    code, _, err = move(capsys, *arguments, "--gradient-steps", "2")
+    assert code == 2 and "actions from -1.9" in err and "--clip-actions" in err and err.count("\n") == 1
+    code, out, _ = move(capsys, *arguments, "--gradient-steps", "2", "--clip-actions")
+    assert code == 0 and json.loads(out)["gradient_steps"] == 2
+
+
+def test_export_by_hand(capsys, tmp_path):
+    data, out_folder = str(tmp_path / "data.zarr"), str(tmp_path / "lerobot")
+    assert move(capsys, "collect", "--timesteps", "100", "--out", data, "--json")[0] == 0
+    code, out, _ = move(capsys, "export", data, out_folder, "--json")
+    assert code == 0 and json.loads(out)["timesteps"] == 100
+    code, _, err = move(capsys, "export", data, out_folder)
+    assert code == 2 and "exists; allowed is a new folder" in err

@@ -161,3 +161,39 @@ def test_impossible_demonstrations_are_refused(message):
     right = vars(six_frames())
     with pytest.raises(BadInput, match=message):
         Demonstrations(**{**right, **WRONG[message]})
+
+
+def published(path, actions: np.ndarray, pictures: bool = True) -> None:
+    """A small store with the keys of the authors' published data, in zarr format 2 on disk."""
+    rng = np.random.default_rng(1)
+    group = zarr.create_group(path, zarr_format=2)
+    arrays = {"state": rng.normal(size=(len(actions), 9)).astype(np.float32),
+              "full_state": rng.normal(size=(len(actions), 39)).astype(np.float32), "action": actions}
+    if pictures:
+        arrays["img"] = rng.integers(0, 256, (len(actions), 48, 48, 3), dtype=np.uint8)
+    for name, array in arrays.items():
+        group.create_array(f"data/{name}", data=array, chunks=(100, *array.shape[1:]))
+    group.create_array("meta/episode_ends", data=np.array([30, len(actions)]))
+
+
+def test_the_authors_published_data_are_read_as_images(tmp_path):
+    actions = np.random.default_rng(0).uniform(-1, 1, (50, 4))
+    published(tmp_path / "p.zarr", actions)
+    assert (tmp_path / "p.zarr/data/img/.zarray").exists()
+    read, attributes = load(tmp_path / "p.zarr")
+    assert read.has_images and read.observations.shape == (50, 48, 48, 3) and attributes == {}
+    assert read.episode_ends.tolist() == [30, 50]
+    np.testing.assert_array_equal(read.actions, actions.astype(np.float32))
+
+
+def test_without_images_the_state_is_observed(tmp_path):
+    published(tmp_path / "p.zarr", np.ones((50, 4), np.float32), pictures=False)
+    assert load(tmp_path / "p.zarr")[0].observations.shape == (50, 9)
+
+
+def test_actions_out_of_range_are_refused_with_the_range_or_clipped_when_asked(tmp_path):
+    actions = np.linspace(-9.5, 3.25, 200, dtype=np.float32).reshape(50, 4)
+    published(tmp_path / "p.zarr", actions)
+    with pytest.raises(BadInput, match=r"^cannot read [^\n]*zarr: actions from -9.5 to 3.25; allowed: -1 to 1[^\n]*$"):
+        load(tmp_path / "p.zarr")
+    np.testing.assert_array_equal(load(tmp_path / "p.zarr", clip_actions=True)[0].actions, actions.clip(-1, 1))

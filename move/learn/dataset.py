@@ -26,6 +26,7 @@ from move.errors import BadInput
 from move.sim.demonstrations import Demonstrations
 
 CHUNK_TIMESTEPS = 256
+OBSERVED = ("data/img", "data/keypoints", "data/state")  # the first one that is there
 BROKEN_STORE = (OSError, KeyError, ValueError, TypeError, RuntimeError)
 
 
@@ -88,22 +89,50 @@ def _write(demonstrations: Demonstrations, path: Path, attributes: dict[str, Any
         group.create_array(name, data=array, chunks=chunks, config={"write_empty_chunks": True})
 
 
-def load(path: Path) -> tuple[Demonstrations, dict[str, Any]]:
-    """Read what `save` wrote: the demonstrations and the attributes.
+def load(path: Path, clip_actions: bool = False) -> tuple[Demonstrations, dict[str, Any]]:
+    """Read a replay buffer: the demonstrations and the attributes.
 
-    Raises BadInput if there is no such group, or if a part of it is missing or damaged.
+    What `save` wrote is read as it is. So is the authors' published data (data/img, state, full_state and action of
+    zarr format 2), whose images are the observations and whose states are left alone, as in the paper; where a buffer
+    has neither images nor keypoints, its state is what is observed.
+
+    Args:
+        path: folder of the zarr group.
+        clip_actions: clip actions to -1..1, which is what Meta-World's scene does with larger ones; without it they
+            are refused, because in another scene they would mean something else.
+
+    Raises:
+        BadInput: there is no such group, a part of it is missing or damaged, or actions outside -1..1.
     """
     path = Path(path)
     if not path.exists():
         raise BadInput(f"no demonstrations at {path}")
     try:
         group = zarr.open_group(path, mode="r")
-        observations = _read(group, "data/img" if "data/img" in group else "data/keypoints")
-        demonstrations = Demonstrations(observations, _read(group, "data/action"), _read(group, "meta/episode_ends"))
-        return demonstrations, dict(group.attrs)
+        observations = _read(group, next((name for name in OBSERVED if name in group), OBSERVED[-1]))
+        if observations.ndim == 2:
+            observations = observations.astype(np.float32, copy=False)
+        actions = _actions(_read(group, "data/action"), clip_actions)
+        ends = _read(group, "meta/episode_ends")
+        if ends.dtype.kind in "iu":
+            ends = ends.astype(np.int64, copy=False)
+        return Demonstrations(observations, actions, ends), dict(group.attrs)
+    except BadInput as problem:
+        raise BadInput(f"cannot read demonstrations from {path}: {problem}") from problem
     except BROKEN_STORE as error:
         reason = " ".join(str(error).split())
         raise BadInput(f"cannot read demonstrations from {path}: {type(error).__name__}: {reason}") from error
+
+
+def _actions(actions: np.ndarray, clip: bool) -> np.ndarray:
+    """Actions as float32 within -1..1."""
+    actions = actions.astype(np.float32, copy=False)
+    if clip:
+        return np.clip(actions, -1, 1)
+    if actions.size and np.abs(actions).max() > 1:
+        raise BadInput(f"actions from {actions.min():.4g} to {actions.max():.4g}; allowed: -1 to 1 (of a Meta-World "
+                       "scene, which clips them itself, read them with --clip-actions)")
+    return actions
 
 
 def _read(group: zarr.Group, name: str) -> np.ndarray:

@@ -62,13 +62,23 @@ def publish(name: str, figure: Figure | None, tables: dict[str, pd.DataFrame], g
 def publish_alone(
     name: str, figure: Figure | None, tables: dict[str, pd.DataFrame], profile: str, source: str = ""
 ) -> None:
-    """`publish` for what no run was needed for; `source` is the small print under the figure."""
+    """`publish` for a notebook that needs no runs; `source` is the small print under the figure."""
+    write(name, figure, tables, profile, source)
+    notebooks.finished()
+
+
+def write(name: str, figure: Figure | None, tables: dict[str, pd.DataFrame], profile: str, source: str) -> None:
+    """Write one figure and its tables into the profile's folder; for notebooks with several of them.
+
+    Args:
+        tables: suffix of the file's name ("" for none) -> table.
+        source: where the numbers come from, one line under the figure.
+    """
     folder = paths.figures(profile)
     if figure is not None:
         style.footnote(figure, source)
         if profile == "smoke":
-            figure.text(0.5, 0.5, "SMOKE", fontsize=60, color="red", alpha=0.15, ha="center", va="center", rotation=20)
+            style.stamp(figure, "SMOKE", "red", 80)
         style.save(figure, name, folder)
     for suffix, content in tables.items():
         style.save_table(content, name if suffix == "" else f"{name}_{suffix}", folder)
-    notebooks.finished()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import textwrap
 from pathlib import Path
 
@@ -18,9 +19,10 @@ COLOURS = {  # safe for colour-blind readers (Okabe and Ito); the same three met
     "random": "#999999",
     "expert": "#000000",
     "goal-blind": "#999999",
+    "unknown": "#777777",  # data that do not say how they were collected
 }
 NAMES = {"static": "static", "adc": "ADC", "move": "MOVE", "nothing": "do nothing", "random": "random actions",
-         "expert": "expert", "goal-blind": "goal-blind expert"}
+         "expert": "expert", "goal-blind": "goal-blind expert", "unknown": "unknown"}
 COLUMN_WIDTH = 3.5  # inches, one column of a two-column page
 PAGE_WIDTH = 7.2  # inches
 
@@ -42,6 +44,18 @@ def footnote(figure: Figure, text: str) -> None:
     figure.supxlabel(wrapped, fontsize=5.5, color="#555555", x=0.01, ha="left")
 
 
+def stamp(figure: Figure, text: str, colour: str = "0.35", points: float = 24) -> None:
+    """Write `text` across the figure: what a reader must not overlook, also on a copied picture.
+
+    Args:
+        points: size of the letters on a figure of the page's width; they shrink with it.
+    """
+    width, height = figure.get_size_inches()
+    rotation = 0.6 * math.degrees(math.atan2(height, width))
+    figure.text(0.5, 0.5, text, fontsize=points * width / PAGE_WIDTH, color=colour, alpha=0.2, ha="center",
+                va="center", rotation=rotation, weight="bold", zorder=100)
+
+
 def save(figure: Figure, name: str, folder: Path) -> None:
     """Write `name`.pdf and `name`.png into `folder`."""
     folder.mkdir(parents=True, exist_ok=True)
@@ -49,11 +63,12 @@ def save(figure: Figure, name: str, folder: Path) -> None:
     figure.savefig(folder / f"{name}.png", metadata={"Software": None})
 
 
-def save_table(table: pd.DataFrame, name: str, folder: Path) -> None:
-    """Write `name`.csv and `name`.tex into `folder`."""
+def save_table(table: pd.DataFrame, name: str, folder: Path, printed: pd.DataFrame | None = None) -> None:
+    """Write `name`.csv and `name`.tex into `folder`; the LaTeX file holds `printed` where that is given."""
     folder.mkdir(parents=True, exist_ok=True)
     table.to_csv(folder / f"{name}.csv", float_format="%.4f", index=table.index.name is not None)
-    styled = table.style.format(precision=3, escape="latex", na_rep="--")
-    if table.index.name is None:
+    printed = table if printed is None else printed
+    styled = printed.style.format(precision=3, escape="latex", na_rep="--").format_index(escape="latex", axis="columns")
+    if printed.index.name is None:
         styled = styled.hide(axis="index")
     (folder / f"{name}.tex").write_text(styled.to_latex(hrules=True))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
+from move.report.style import NAMES
 from move.sim.collect import METHODS
 from move.sim.task import kept_share
 from move.sim.tasks import TASKS
@@ -108,3 +109,26 @@ def kept_shares(rng: np.random.Generator, configurations: int = 1000) -> pd.Data
     """
     return pd.DataFrame([{"task": name, "kept_share": kept_share(task, rng, configurations)}
                          for name, task in TASKS.items()])
+
+
+def printed_trials(table: pd.DataFrame) -> pd.DataFrame:
+    """Table 3 as it is printed: counts, per cent with the exact interval, scores with the range they could have.
+
+    Args:
+        table: from `move.study.realworld.trials.real_table`.
+    """
+    rows = [
+        {"timesteps": f"{row.timesteps // 1000}k", "method": NAMES[row.method],
+         "successes": f"{row.successes}/{row.trials}", "success": f"{100 * row.rate:.1f} %",
+         "95 % interval": f"{100 * row.low:.1f} to {100 * row.high:.1f} %", "score": f"{row.normalised:.3f}",
+         "allowed score": f"{row.score_low:.3f} to {row.score_high:.3f}"}
+        for row in table.itertuples()
+    ]
+    return pd.DataFrame(rows)
+
+
+def printed_pairs(table: pd.DataFrame) -> pd.DataFrame:
+    """Pairs of cells with the methods' display names, from `move.study.realworld.trials.comparisons`."""
+    cells = {column: [cell.split() for cell in table[column]] for column in ("first", "second")}
+    return table.assign(**{column: [f"{NAMES[method]} {size}" for method, size in cell]
+                           for column, cell in cells.items()})

@@ -1,0 +1,106 @@
+"""Whole figures of the real-robot data, laid out from the pieces of `real_plots`; simulated data are stamped as such.
+
+cells_figure    success and score of the four cells
+setup_figure    coverage, trajectories and frames of each method: figure 8
+object_figure   where the object was seen, and how fast it moved
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from move.report import real_plots, style
+from move.report.style import COLOURS, NAMES, PAGE_WIDTH
+
+SIMULATED_TEXT = "simulated data in the real layout"
+
+
+def cells_figure(table: pd.DataFrame) -> Figure:
+    """Lay out success and score of the four cells beside each other.
+
+    Args:
+        table: `trials.real_table`.
+
+    Returns:
+        A figure of two-column width.
+    """
+    figure, axes = plt.subplots(1, 2, figsize=(PAGE_WIDTH, 2.8))
+    real_plots.success_cells(table, axes[0])
+    real_plots.score_cells(table, axes[1])
+    return figure
+
+
+def object_figure(places: pd.DataFrame, speeds: pd.DataFrame, *, simulated: bool) -> Figure:
+    """Lay out where the object was seen by each method's camera, and how fast it moved.
+
+    Args:
+        places: `tracking.object_places`.
+        speeds: `tracking.object_speeds`.
+
+    Returns:
+        A figure of two-column width.
+    """
+    methods = [method for method in COLOURS if method in set(places["method"])]
+    figure, axes = plt.subplots(1, len(methods) + 1, figsize=(PAGE_WIDTH, 2.0), squeeze=False,
+                                width_ratios=[1.5] * len(methods) + [1])
+    for method, ax in zip(methods, axes[0], strict=False):
+        real_plots.object_map(places[places["method"] == method], ax, colour=COLOURS[method])
+        ax.set_title(f"{NAMES[method]}: orange in the image", color=COLOURS[method])
+    real_plots.speed_dots(speeds, axes[0, -1])
+    if simulated:
+        style.stamp(figure, SIMULATED_TEXT)
+    return figure
+
+
+def _nothing(text: str, *, simulated: bool) -> Figure:
+    """A figure that says why it is empty."""
+    figure = plt.figure(figsize=(PAGE_WIDTH, 1.0))
+    figure.text(0.5, 0.2, text, ha="center")
+    if simulated:
+        style.stamp(figure, SIMULATED_TEXT)
+    return figure
+
+
+def setup_figure(cells: pd.DataFrame, steps: pd.DataFrame, strips: Mapping[str, tuple[np.ndarray, Sequence[str]]], *,
+                 simulated: bool, cell_m: float = 0.05) -> Figure:
+    """Lay out Figure 8: for each method its trajectories, the cells visited, and below all of them frames.
+
+    Args:
+        cells: `workspace.coverage_by_method`.
+        steps: `workspace.path_table`.
+        strips: method -> frames (k, height, width, 3) and their titles; may be empty.
+        simulated: whether to say so on the picture.
+
+    Returns:
+        A figure of two-column width.
+    """
+    methods = [method for method in COLOURS if method in set(cells["method"])]
+    shown = [method for method in COLOURS if method in strips]
+    shapes = [strips[method][0].shape for method in shown]
+    heights = [0.95 * PAGE_WIDTH * h / (k * w) + 0.28 for k, h, w, _ in shapes]
+    map_in = 0.5 * PAGE_WIDTH * 0.5 + 0.45
+    if not methods and not shown:
+        return _nothing("no positions and no cameras were recorded", simulated=simulated)
+    figure = plt.figure(figsize=(PAGE_WIDTH, map_in * len(methods) + sum(heights)))
+    grid = figure.add_gridspec(len(methods) + len(shown), 2, height_ratios=[map_in] * len(methods) + heights)
+    for row, method in enumerate(methods):
+        mine = cells[cells["method"] == method]
+        left, right = figure.add_subplot(grid[row, 0]), figure.add_subplot(grid[row, 1])
+        real_plots.paths(steps[steps["method"] == method], left, colour=COLOURS[method])
+        real_plots.coverage_map(mine, right, cell_m=cell_m, colour=COLOURS[method])
+        grasped = steps[steps["method"] == method].groupby(["part", "index"])["grasped"].any()
+        left.set_title(f"{NAMES[method]}: {len(grasped)} demonstrations, {grasped.sum()} grasps", color=COLOURS[method])
+        right.set_title(f"{NAMES[method]}: {100 * (mine['visits'] > 0).mean():.0f} % of the table's cells visited",
+                        color=COLOURS[method])
+    for number, method in enumerate(shown):
+        ax = figure.add_subplot(grid[len(methods) + number, :])
+        frames, times = strips[method]
+        real_plots.frames_strip(frames, ax, titles=[f"{NAMES[method]} {time}" for time in times])
+    if simulated:
+        style.stamp(figure, SIMULATED_TEXT)
+    return figure

@@ -1,0 +1,218 @@
+"""Collected demonstrations in other programs' formats: a LeRobot v3.0 data set, or diffusion_policy's replay buffer.
+
+    meta/info.json  meta/stats.json  meta/tasks.parquet  meta/move.json (how the demonstrations were collected)
+    meta/episodes/chunk-000/file-000.parquet             which frames belong to which episode, and its statistics
+    data/chunk-000/file-000.parquet                      every number of every frame
+    videos/observation.images.camera/chunk-000/file-000.mp4
+
+What a LeRobot policy is given:
+
+| the demonstrations hold | observation.state | observation.environment_state | observation.images.camera |
+|---|---|---|---|
+| keypoints | the keypoints | the keypoints again | - |
+| images | two zeros | - | the images |
+
+LeRobot's diffusion policy wants a state, and beside it an image or an environment state. A policy from images sees
+images alone, as here, so its state says nothing.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import uuid
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from move.errors import BadInput
+from move.learn import dataset
+from move.sim.demonstrations import Demonstrations
+from move.sim.observe import keypoint_names
+from move.sim.scene import Scene
+from move.sim.tasks import TASKS
+from move.study.realworld.writing import scalar_columns, scalar_features, vectors, write_video
+
+FORMATS = ("lerobot", "zarr")
+FPS = int(Scene.metadata["render_fps"])  # timesteps a second
+STATE, ENVIRONMENT, CAMERA = "observation.state", "observation.environment_state", "observation.images.camera"
+EPISODES = "meta/episodes/chunk-000/file-000.parquet"
+DATA = "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
+VIDEO = "videos/{video_key}/chunk-{chunk_index:03d}/file-{file_index:03d}.mp4"
+FIRST = {"chunk_index": 0, "file_index": 0}  # one file holds all episodes
+# Colour is kept at full resolution and finely, because the object is a few pixels wide: about 1.5 of 255 levels are
+# lost on average. Every second frame is a key frame, so that any window can be read without decoding what lies before it.
+PIXEL_FORMAT = "yuv444p"
+VIDEO_OPTIONS = {"crf": "8", "g": "2", "bf": "0", "preset": "medium"}
+
+
+def export(data: Path, out: Path, form: str, clip_actions: bool = False) -> dict[str, Any]:
+    """Write the demonstrations of folder `data` to the new folder `out`, whole or not at all.
+
+    Args:
+        data: a zarr folder that `move.learn.dataset.load` reads.
+        form: one of `FORMATS`; "zarr" rewrites the store with the keys and checks of `move.learn.dataset.save`.
+        clip_actions: see `move.learn.dataset.load`.
+
+    Returns:
+        path, format, episodes, timesteps, observation ("images" or "numbers") and megabytes.
+
+    Raises:
+        BadInput: an unknown format, an `out` that exists or cannot be written, or data that cannot be read.
+    """
+    if form not in FORMATS:
+        raise BadInput(f"format: {form!r} given; allowed are {', '.join(FORMATS)}")
+    out = Path(out)
+    if out.exists():
+        raise BadInput(f"{out} exists; allowed is a new folder")
+    demonstrations, attributes = dataset.load(data, clip_actions)
+    beside = out.with_name(f".{out.name}.{uuid.uuid4().hex}")
+    try:
+        if form == "zarr":
+            dataset.save(demonstrations, beside, attributes)
+        else:
+            write_lerobot(demonstrations, beside, attributes)
+        os.replace(beside, out)
+    except OSError as error:
+        raise BadInput(f"cannot write {out}: {error.strerror}; a writable folder is needed") from error
+    finally:
+        shutil.rmtree(beside, ignore_errors=True)
+    size = sum(path.stat().st_size for path in out.rglob("*") if path.is_file())
+    return {"path": str(out), "format": form, "episodes": demonstrations.episodes,
+            "timesteps": demonstrations.timesteps,
+            "observation": "images" if demonstrations.has_images else "numbers", "megabytes": size / 1e6}
+
+
+def write_lerobot(demonstrations: Demonstrations, folder: Path, attributes: dict[str, Any]) -> None:
+    """Write a LeRobot v3.0 data set.
+
+    Args:
+        attributes: what was stored beside the demonstrations; goes to meta/move.json as it is.
+    """
+    task = attributes.get("collection", {}).get("task", "unknown")
+    numbers = _numbers(demonstrations)
+    episodes = _episode_stats(demonstrations, numbers)
+    for name in (EPISODES, DATA.format(**FIRST)):
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+    columns = {name: vectors(values) if values.ndim == 2 else pa.array(values) for name, values in numbers.items()}
+    pq.write_table(pa.table(columns), folder / DATA.format(**FIRST))
+    pq.write_table(pa.Table.from_pylist(_episode_rows(demonstrations, episodes, task)), folder / EPISODES)
+    pd.DataFrame({"task_index": [0]}, index=pd.Index([task], name="task")).to_parquet(folder / "meta/tasks.parquet")
+    for name, content in (("info", _info(demonstrations, task)), ("stats", pooled_stats(episodes)),
+                          ("move", attributes)):
+        (folder / f"meta/{name}.json").write_text(json.dumps(content, indent=1) + "\n")
+    if demonstrations.has_images:
+        images = demonstrations.observations
+        write_video(folder / VIDEO.format(video_key=CAMERA, **FIRST), images, images.shape[1:3], FPS, PIXEL_FORMAT,
+                    VIDEO_OPTIONS)
+
+
+def _numbers(demonstrations: Demonstrations) -> dict[str, np.ndarray]:
+    """Every column of the data file: vectors (timesteps, n) and scalars (timesteps,)."""
+    seen = demonstrations.observations
+    if demonstrations.has_images:
+        observed = {STATE: np.zeros((len(seen), 2), np.float32)}
+    else:
+        observed = {STATE: seen, ENVIRONMENT: seen}
+    return {**observed, "action": demonstrations.actions, **scalar_columns(demonstrations.lengths, FPS)}
+
+
+def _state_names(width: int, task: str) -> list[str]:
+    """Names of the state's numbers: a keypoint and an axis each, where the task is known to have them."""
+    points = keypoint_names(TASKS[task].keypoints) if task in TASKS else ()
+    names = [f"{point} {axis}" for point in points for axis in ("right", "up", "forward")]
+    return names if len(names) == width else [f"number {n}" for n in range(width)]
+
+
+def _info(demonstrations: Demonstrations, task: str) -> dict[str, Any]:
+    """What meta/info.json holds."""
+    width = demonstrations.actions.shape[1]
+    action_names = ["x", "y", "z", "gripper"] if width == 4 else [f"number {n}" for n in range(width)]
+    features: dict[str, Any] = {"action": {"dtype": "float32", "shape": [width], "names": action_names}}
+    if demonstrations.has_images:
+        height, across = demonstrations.observations.shape[1:3]
+        features[STATE] = {"dtype": "float32", "shape": [2], "names": ["nothing 0", "nothing 1"]}
+        features[CAMERA] = {
+            "dtype": "video", "shape": [height, across, 3], "names": ["height", "width", "channels"],
+            "info": {"video.height": height, "video.width": across, "video.channels": 3, "video.fps": FPS,
+                     "video.codec": "h264", "video.pix_fmt": PIXEL_FORMAT, "video.is_depth_map": False,
+                     "has_audio": False},
+        }
+    else:
+        size = demonstrations.observations.shape[1]
+        for name in (STATE, ENVIRONMENT):
+            features[name] = {"dtype": "float32", "shape": [size], "names": _state_names(size, task)}
+    return {
+        "codebase_version": "v3.0", "robot_type": "metaworld_sawyer", "fps": FPS,
+        "total_episodes": demonstrations.episodes, "total_frames": demonstrations.timesteps, "total_tasks": 1,
+        "chunks_size": 1000, "data_files_size_in_mb": 100, "video_files_size_in_mb": 200,
+        "splits": {"train": f"0:{demonstrations.episodes}"}, "data_path": DATA,
+        "video_path": VIDEO if demonstrations.has_images else None, "features": {**features, **scalar_features()},
+    }
+
+
+def _episode_rows(demonstrations: Demonstrations, stats: list[dict], task: str) -> list[dict[str, Any]]:
+    """One row an episode of the episode table: its frames, its seconds of video, its statistics."""
+    rows = []
+    for index, (end, length) in enumerate(zip(demonstrations.episode_ends, demonstrations.lengths, strict=True)):
+        row = {"episode_index": index, "tasks": [task], "length": int(length), "data/chunk_index": 0,
+               "data/file_index": 0, "dataset_from_index": int(end - length), "dataset_to_index": int(end),
+               "meta/episodes/chunk_index": 0, "meta/episodes/file_index": 0}
+        if demonstrations.has_images:
+            row |= {f"videos/{CAMERA}/chunk_index": 0, f"videos/{CAMERA}/file_index": 0,
+                    f"videos/{CAMERA}/from_timestamp": (end - length) / FPS,
+                    f"videos/{CAMERA}/to_timestamp": end / FPS}
+        rows.append(row | {f"stats/{feature}/{name}": value for feature, values in stats[index].items()
+                           for name, value in values.items()})
+    return rows
+
+
+def _episode_stats(demonstrations: Demonstrations, numbers: dict[str, np.ndarray]) -> list[dict[str, dict]]:
+    """Statistics of each episode: feature -> min, max, mean, std, count."""
+    found = []
+    for end, length in zip(demonstrations.episode_ends, demonstrations.lengths, strict=True):
+        mine = slice(end - length, end)
+        stats = {name: feature_stats(values[mine].reshape(length, -1)) for name, values in numbers.items()}
+        if demonstrations.has_images:
+            stats[CAMERA] = feature_stats(demonstrations.observations[mine])
+        found.append(stats)
+    return found
+
+
+def feature_stats(values: np.ndarray) -> dict[str, list]:
+    """min, max, mean, std and count, as LeRobot keeps them.
+
+    Args:
+        values: (T, n) numbers, or (T, height, width, 3) uint8 images, whose statistics are per channel, in [0, 1],
+            of shape (3, 1, 1).
+
+    >>> feature_stats(np.array([[1.0], [3.0]]))
+    {'min': [1.0], 'max': [3.0], 'mean': [2.0], 'std': [1.0], 'count': [2]}
+    """
+    images = values.ndim == 4
+    table = values.reshape(-1, values.shape[-1])
+    scale, shape = (255.0, (3, 1, 1)) if images else (1.0, (-1,))
+    moments = {"min": table.min(axis=0), "max": table.max(axis=0), "mean": table.mean(axis=0, dtype=np.float64),
+               "std": table.std(axis=0, dtype=np.float64)}
+    found = {name: (moment / scale).reshape(shape).tolist() for name, moment in moments.items()}
+    return {**found, "count": [len(values)]}
+
+
+def pooled_stats(episodes: list[dict[str, dict]]) -> dict[str, dict]:
+    """Statistics of all frames from those of the episodes."""
+    pooled = {}
+    for feature in episodes[0]:
+        low, high, mean, std = (np.array([stats[feature][name] for stats in episodes])
+                                for name in ("min", "max", "mean", "std"))
+        count = np.array([stats[feature]["count"][0] for stats in episodes])
+        weight = (count / count.sum()).reshape(-1, *[1] * (mean.ndim - 1))
+        centre = (weight * mean).sum(axis=0)
+        spread = np.sqrt((weight * (std**2 + (mean - centre) ** 2)).sum(axis=0))
+        pooled[feature] = {"min": low.min(axis=0).tolist(), "max": high.max(axis=0).tolist(),
+                           "mean": centre.tolist(), "std": spread.tolist(), "count": [int(count.sum())]}
+    return pooled

@@ -1,0 +1,135 @@
+"""What is exported is read back by the package's own reader: numbers exactly, images within the codec's tolerance."""
+
+import json
+
+import numpy as np
+import pandas as pd
+import pyarrow.parquet as pq
+import pytest
+
+from move.errors import BadInput
+from move.learn import dataset
+from move.sim.demonstrations import Demonstrations
+from move.study import export as exporting
+from move.study.realworld import open_dataset
+
+ATTRIBUTES = {"collection": {"task": "pick-place", "method": "move"}, "seed": 3}
+ENDS = np.array([7, 12, 20])
+
+
+def smooth_images(timesteps: int, side: int) -> np.ndarray:
+    """A grey picture with a red square of four pixels that wanders: what is small and coloured must survive."""
+    images = np.full((timesteps, side, side, 3), 120, np.uint8)
+    for t, image in enumerate(images):
+        image[t:t + 4, 10:14] = (150, 20, 20)
+    return images
+
+
+def write(folder, images: bool = False) -> Demonstrations:
+    """Three episodes of 7, 5 and 8 timesteps, stored; pictures have an odd side."""
+    rng = np.random.default_rng(0)
+    seen = smooth_images(20, 47) if images else rng.normal(size=(20, 27)).astype(np.float32)
+    demonstrations = Demonstrations(seen, rng.uniform(-1, 1, (20, 4)).astype(np.float32), ENDS)
+    dataset.save(demonstrations, folder, ATTRIBUTES)
+    return demonstrations
+
+
+def pieces(array: np.ndarray) -> list[np.ndarray]:
+    return np.split(array, ENDS[:-1])
+
+
+def test_keypoints_come_back_exactly_from_lerobot(tmp_path):
+    written = write(tmp_path / "a.zarr")
+    about = exporting.export(tmp_path / "a.zarr", tmp_path / "out", "lerobot")
+    assert (about["episodes"], about["timesteps"], about["observation"]) == (3, 20, "numbers")
+    read = open_dataset(tmp_path / "out", episodes=None)
+    assert [e.timesteps for e in read.episodes] == [7, 5, 8] and not read.unread
+    for e, seen, action in zip(read.episodes, pieces(written.observations), pieces(written.actions), strict=True):
+        np.testing.assert_array_equal(e.state, seen)
+        np.testing.assert_array_equal(e.action, action)
+        np.testing.assert_allclose(e.timestamps_s, np.arange(len(seen)) / 80, atol=1e-6)
+        assert e.action_names == ("x", "y", "z", "gripper") and not e.cameras
+
+
+def test_images_come_back_from_lerobot_within_the_codecs_tolerance(tmp_path):
+    written = write(tmp_path / "a.zarr", images=True)
+    exporting.export(tmp_path / "a.zarr", tmp_path / "out", "lerobot")
+    for e, seen, action in zip(open_dataset(tmp_path / "out", episodes=None).episodes, pieces(written.observations),
+                               pieces(written.actions), strict=True):
+        np.testing.assert_array_equal(e.action, action)
+        frames = e.cameras["camera"].read(range(e.timesteps))
+        error = np.abs(frames.astype(int) - seen)
+        assert frames.shape == seen.shape and error.mean() < 1.5 and error.max() < 40
+        squares = (frames[..., 0].astype(int) - frames[..., 1]) > 60
+        assert [np.argwhere(square).mean(axis=0).round().tolist() for square in squares] == [
+            np.argwhere(image[..., 1] == 20).mean(axis=0).round().tolist() for image in seen]
+
+
+def test_the_files_are_those_of_lerobot_v3(tmp_path):
+    written = write(tmp_path / "a.zarr", images=True)
+    out = tmp_path / "out"
+    exporting.export(tmp_path / "a.zarr", out, "lerobot")
+    assert {path.relative_to(out).as_posix() for path in out.rglob("*") if path.is_file()} == {
+        "meta/info.json", "meta/stats.json", "meta/tasks.parquet", "meta/move.json", exporting.EPISODES,
+        "data/chunk-000/file-000.parquet", "videos/observation.images.camera/chunk-000/file-000.mp4"}
+    info = json.loads((out / "meta/info.json").read_text())
+    assert (info["codebase_version"], info["total_frames"], info["fps"]) == ("v3.0", 20, 80)
+    assert json.loads((out / "meta/move.json").read_text()) == ATTRIBUTES
+    assert pd.read_parquet(out / "meta/tasks.parquet").index.tolist() == ["pick-place"]
+    table = pq.read_table(out / "data/chunk-000/file-000.parquet")
+    columns = {name for name, feature in info["features"].items() if feature["dtype"] != "video"}
+    assert set(table.column_names) == columns and table.num_rows == 20
+    assert table["frame_index"].to_pylist() == [*range(7), *range(5), *range(8)]
+    assert table["action"].type.list_size == 4 and np.ptp(np.vstack(table["observation.state"].to_numpy())) == 0
+    rows = pq.read_table(out / exporting.EPISODES).to_pylist()
+    assert [row["dataset_from_index"] for row in rows] == [0, 7, 12]
+    seconds = [row["videos/observation.images.camera/from_timestamp"] for row in rows]
+    assert seconds == pytest.approx([0, 7 / 80, 12 / 80])
+    np.testing.assert_allclose(rows[1]["stats/action/mean"], written.actions[7:12].mean(axis=0), rtol=1e-5)
+
+
+@pytest.mark.parametrize("images", [False, True])
+def test_pooled_statistics_are_those_of_all_frames(tmp_path, images):
+    written = write(tmp_path / "a.zarr", images)
+    exporting.export(tmp_path / "a.zarr", tmp_path / "out", "lerobot")
+    stats = json.loads((tmp_path / "out/meta/stats.json").read_text())
+    key = exporting.CAMERA if images else exporting.STATE
+    expected = exporting.feature_stats(written.observations)
+    assert set(stats[key]) == set(expected) and stats[key]["count"] == [20]
+    for name, values in expected.items():
+        np.testing.assert_allclose(stats[key][name], values, rtol=1e-5, atol=1e-7)
+    assert np.shape(stats[key]["mean"]) == ((3, 1, 1) if images else (27,))
+
+
+def test_the_states_numbers_are_named_after_keypoints(tmp_path):
+    write(tmp_path / "a.zarr")
+    exporting.export(tmp_path / "a.zarr", tmp_path / "out", "lerobot")
+    feature = json.loads((tmp_path / "out/meta/info.json").read_text())["features"]["observation.state"]
+    assert feature["names"][:2] == ["site:rightEndEffector right", "site:rightEndEffector up"]
+
+
+@pytest.mark.parametrize("images", [False, True])
+def test_the_zarr_export_is_the_same_store(tmp_path, images):
+    written = write(tmp_path / "a.zarr", images)
+    exporting.export(tmp_path / "a.zarr", tmp_path / "b.zarr", "zarr")
+    read, attributes = dataset.load(tmp_path / "b.zarr")
+    for name, values in vars(written).items():
+        np.testing.assert_array_equal(getattr(read, name), values)
+    assert attributes == ATTRIBUTES and (tmp_path / "b.zarr/.zgroup").exists(), "zarr format 2"
+    frames = open_dataset(tmp_path / "b.zarr", episodes=None).episodes[1]
+    np.testing.assert_array_equal(frames.action, written.actions[7:12])
+
+
+def test_nothing_half_written_and_nothing_overwritten(tmp_path, monkeypatch):
+    write(tmp_path / "a.zarr", images=True)
+    (tmp_path / "there").mkdir()
+    with pytest.raises(BadInput, match="exists; allowed is a new folder"):
+        exporting.export(tmp_path / "a.zarr", tmp_path / "there", "lerobot")
+
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(exporting, "write_video", full)
+    with pytest.raises(BadInput, match="cannot write .*out: No space left on device"):
+        exporting.export(tmp_path / "a.zarr", tmp_path / "out", "lerobot")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.zarr", "there"]

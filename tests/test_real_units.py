@@ -1,0 +1,120 @@
+"""Units are told from names or sizes, shown, and overridden; never guessed in silence."""
+
+import numpy as np
+import pytest
+import real_writers as w
+from hypothesis import given
+from hypothesis import strategies as st
+
+from move.errors import BadInput
+from move.study.realworld import open_dataset
+from move.study.realworld.units import FACTORS, RANGES, by_size, units_table
+
+# The rows of the table of known sources: joints scale, gripper values, unit of each, gripper in SI or 0..1.
+SOURCES = {
+    "piper_sdk on the bus": (180e3 / np.pi, [60_000, 98_000, 0], "mdeg", "um", [0.060, 0.098, 0], "m"),
+    "ROS, data_tools": (1.0, [0.0, 0.098, 0.05], "rad", "m", [0.0, 0.098, 0.05], "m"),
+    "stock PIPER gripper": (1.0, [0.0, 0.07, 0.05], "rad", "m", [0.0, 0.07, 0.05], "m"),
+    "RoboCOIN open_scale": (1.0, [0.0, 1.0, 0.5], "rad", "normalised", [0.0, 1.0, 0.5], "normalised"),
+    "Pika encoder angle": (1.0, [0.0, 1.6, 0.8], "rad", "pika_rad", [0.0, 1.0, 0.5], "normalised"),
+    "degrees on the Hub": (180 / np.pi, [0.0, 1.0, 1.0], "deg", "normalised", [0.0, 1.0, 1.0],
+                           "normalised"), "millimetres": (180 / np.pi, [0.0, 70.0,
+                                                                        35.0], "deg", "mm", [0.0, 0.07, 0.035], "m"),
+}
+
+
+def source(folder, scale, gripper, **kwargs):
+    """A LeRobot set whose joints are scaled and whose gripper takes the given values."""
+    values = np.resize(np.array(gripper, float), w.STEPS)
+    return w.lerobot_v2(folder, values=lambda n: np.column_stack([w.joints(n) * scale, values]), dtype=np.float64,
+                        **kwargs)
+
+
+@pytest.mark.parametrize("name", SOURCES)
+def test_each_known_source(tmp_path, name):
+    scale, gripper, joint_unit, gripper_unit, expected, result = SOURCES[name]
+    data = open_dataset(source(tmp_path / "d", scale, gripper))
+    told = data.units.set_index("quantity")
+    assert told.loc["joints", "unit"] == joint_unit and told.loc["gripper", "unit"] == gripper_unit
+    assert set(told["decided_by"]) == {"size of the numbers"}
+    np.testing.assert_allclose(data.episodes[1].joints, w.joints(1), rtol=1e-9)
+    np.testing.assert_allclose(data.episodes[0].gripper[:3], expected, atol=1e-12)
+    assert data.episodes[0].gripper_unit == result
+
+
+@pytest.mark.parametrize(("scale", "position", "rotation"), [((1, 1), "m", "rad"), ((1e3, 180 / np.pi), "mm", "deg"),
+                                                             ((1e6, 180e3 / np.pi), "um", "mdeg")])
+def test_poses(tmp_path, scale, position, rotation):
+    def values(n):
+        return np.hstack([w.state(n), w.pose()[:, :3] * scale[0], w.pose()[:, 3:] * scale[1]])
+
+    data = open_dataset(w.lerobot_v2(tmp_path / "d", values=values, names=None, dtype=np.float64))
+    told = data.units.set_index("quantity")["unit"]
+    assert (told["position"], told["rotation"]) == (position, rotation)
+    np.testing.assert_allclose(data.episodes[0].end_effector, w.pose(), rtol=1e-9)
+
+
+def test_between_the_ranges_is_unknown_and_left_out(tmp_path):
+    data = open_dataset(source(tmp_path / "d", 5.0 / 1.66, [0.0, 5.0, 0.0]))
+    told = data.units.set_index("quantity")
+    assert told["unit"].to_dict() == {"joints": "unknown", "gripper": "unknown"}
+    assert "units file" in told.loc["joints", "note"]
+    assert (data.episodes[0].joints is None and data.episodes[0].gripper is None
+            and data.episodes[0].gripper_unit is None)
+
+
+def test_column_names_decide_and_contradictions_are_not_settled(tmp_path):
+    names = [f"arm_joint_{n}_rad" for n in range(1, 7)] + ["gripper_open_scale"]
+    data = open_dataset(source(tmp_path / "a", 1.0, [0, 1, 0], names=names))
+    assert set(data.units["decided_by"]) == {"column names"}
+    data = open_dataset(source(tmp_path / "b", 180 / np.pi, [0, 1, 0], names=names))
+    row = data.units.set_index("quantity").loc["joints"]
+    assert row["unit"] == "unknown" and "say rad" in row["note"] and "look like deg" in row["note"]
+    assert data.episodes[0].joints is None
+
+
+def test_a_units_file_overrides(tmp_path):
+    file = tmp_path / "units.yaml"
+    file.write_text('"*": {joints: deg, gripper: half_m}\nother: {joints: rad}\n')
+    data = open_dataset(source(tmp_path / "d", 1.0, [0.0, 0.035, 0.02]), units_file=file)
+    assert set(data.units["decided_by"]) == {"units file"}
+    np.testing.assert_allclose(data.episodes[0].joints, np.deg2rad(w.joints()), rtol=1e-9)
+    np.testing.assert_allclose(data.episodes[0].gripper[:3], [0.0, 0.07, 0.04])
+
+
+def test_a_part_of_its_own_wins_and_closed_can_be_high(tmp_path):
+    source(tmp_path / "set/a", 1.0, [0.0, 1.0, 0.25])
+    source(tmp_path / "set/b", 1.0, [0.0, 1.0, 0.25])
+    file = tmp_path / "units.yaml"
+    file.write_text("b: {gripper_closed_is: high}\n")
+    data = open_dataset(tmp_path / "set", units_file=file, episodes=1)
+    np.testing.assert_allclose(data.episodes[0].gripper[:3], [0.0, 1.0, 0.25])
+    np.testing.assert_allclose(data.episodes[1].gripper[:3], [1.0, 0.0, 0.75])
+
+
+def test_half_a_gap_is_cautioned(tmp_path):
+    data = open_dataset(source(tmp_path / "d", 1.0, [0.0, 0.035, 0.02]))
+    assert "half the gap" in data.units.set_index("quantity").loc["gripper", "note"]
+
+
+@pytest.mark.parametrize(("text", "says"), [('"*": {joints: grad}', "'grad'; allowed: rad, deg, mdeg"),
+                                            ('"*": {speed: m}', "allowed"), ("- a list", "expected a YAML mapping"),
+                                            ("{broken", "expected a YAML mapping"), ])
+def test_a_bad_units_file_is_one_line(tmp_path, text, says):
+    file = tmp_path / "units.yaml"
+    file.write_text(text)
+    with pytest.raises(BadInput, match=says):
+        open_dataset(source(tmp_path / "d", 1.0, [0.0, 0.09, 0.0]), units_file=file)
+
+
+@given(st.sampled_from(sorted(RANGES)), st.floats(0, 1e7))
+def test_a_size_gives_one_known_unit_or_none(quantity, largest):
+    unit = by_size(quantity, largest)
+    assert unit == "unknown" or unit in FACTORS[quantity]
+    if unit != "unknown":
+        low, high = next((low, high) for low, high, name in RANGES[quantity] if name == unit)
+        assert low <= largest <= high
+
+
+def test_table_columns():
+    assert list(units_table([]).columns) == ["part", "quantity", "unit", "decided_by", "lowest", "highest", "note"]

@@ -1,0 +1,202 @@
+"""Coverage, grasps, tracking and the pictures, on arrays whose answers are written by hand."""
+
+import matplotlib
+
+matplotlib.use("agg")
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pandas as pd
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from move.report import real_figures, real_plots, style, tables
+from move.study.realworld import tracking, workspace
+from move.study.realworld.episode import RobotEpisode
+from move.study.realworld.frames import Frames
+from move.study.realworld.piper import flange_pose
+from move.study.realworld.trials import real_table
+
+
+def episode(xy, gripper=None, method="move", index=0, frames=None):
+    """An episode that follows (T, 2) points."""
+    steps = len(xy)
+    pose = np.column_stack([np.asarray(xy, float), np.zeros((steps, 4))])
+    cameras = ({} if frames is None else
+               {"cam": Frames("memory", lambda: steps, lambda numbers: (frames[n] for n in numbers))})
+    return RobotEpisode(part="p", method=method, index=index, source=".", timestamps_s=np.arange(steps) / 10,
+                        joints=None, end_effector=pose, gripper=None if gripper is None else np.asarray(gripper, float),
+                        gripper_unit="m", action=pose[:, :2], action_names=("x", "y"), state=None, cameras=cameras,
+                        lengths={}, notes=())
+
+
+def test_cells_fill_the_half_disc():
+    assert len(workspace.workspace_cells(0.01)) * 1.0 == pytest.approx(5655, rel=0.005), "0.5 pi 60 60 cm2"
+
+
+def test_coverage_counts_each_point_in_its_cell():
+    points = [[0.01, 0.01], [0.04, 0.04], [0.06, -0.01], [0.7, 0.0], [-0.1, 0.1], [np.nan, 0.0]]
+    cells = workspace.coverage(points)
+    visited = cells[cells["visits"] > 0].set_index(["column", "row"])["visits"].to_dict()
+    assert visited == {(0, 0): 2, (1, -1): 1}
+    assert workspace.covered_share(cells) == 2 / len(cells)
+    assert workspace.covered_share(workspace.coverage(np.empty((0, 2)))) == 0
+
+
+@given(st.lists(st.tuples(st.floats(0, 0.38), st.floats(-0.38, 0.38)), min_size=1, max_size=30))
+def test_coverage_loses_no_point_inside(points):
+    assert workspace.coverage(np.array(points)).visits.sum() == len(points)
+
+
+@pytest.mark.parametrize(
+    ("signal", "grasp", "release"), [([9, 9, 9, 6, 6, 6, 6, 9, 9], 3, 7), ([9, 9, 6, 6, 6, 6], 2, None),
+                                     ([9, 9, 6, 9, 9, 6, 6, 6, 9], 5, 8), ([0, 0, 0, 0, 0, 9, 9, 0, 0, 0, 9], 7, 10),
+                                     ([9, 9, 9.1, 9, 9], None, None), ([9, 9, 6, 6, 9], None, None),
+                                     ([9, np.nan, 0, 0, 0, 0], None, None), ([9], None, None), ],
+    ids=["once", "never opened", "a slip first", "closed at the start", "noise", "too short", "not finite", "one step"])
+def test_grasp_and_release(signal, grasp, release):
+    signal = np.array(signal, float)
+    assert workspace.grasp_step(signal) == grasp and workspace.release_step(signal) == release
+
+
+def test_episode_path_and_length_tables():
+    e = episode([[0.1, 0], [0.2, 0], [0.2, 0.1], [0.2, 0.2], [0.2, 0.3]], gripper=[9, 9, 1, 1, 1])
+    row = workspace.episode_table([e]).iloc[0]
+    assert (row["path_m"] == pytest.approx(0.4) and (row["grasp_step"], row["grasp_y_m"]) == (2, 0.1)
+            and np.isnan(row["release_step"]))
+    assert workspace.path_table([e])["grasped"].tolist() == [False, False, True, True, True]
+    lengths = workspace.length_table(workspace.episode_table([e, episode(np.zeros((7, 2)), index=1)]))
+    assert lengths["mean_timesteps"].tolist() == [6] and lengths["episodes"].tolist() == [2]
+
+
+def test_no_pose_and_no_gripper_give_nan():
+    import dataclasses
+
+    bare = dataclasses.replace(episode(np.zeros((4, 2))), end_effector=None)
+    row = workspace.episode_table([bare]).iloc[0]
+    assert np.isnan(row["path_m"]) and np.isnan(row["grasp_x_m"]) and workspace.path_table([bare]).empty
+
+
+def test_positions_come_from_six_joints_first():
+    import dataclasses
+
+    joints = np.tile([0.2, 1.5, -1.5, 0.0, 0.5, 0.0], (4, 1))
+    both = dataclasses.replace(episode(np.full((4, 2), 9.0)), joints=joints)
+    np.testing.assert_allclose(workspace.positions(both), flange_pose(joints)[:, :3])
+    seven = dataclasses.replace(both, joints=np.zeros((4, 7)))
+    assert workspace.positions(seven)[0, 0] == 9, "not a PIPER: the recorded pose is taken"
+
+
+def test_setup_figure_without_anything_to_show():
+    nothing = workspace.path_table([])
+    figure = real_figures.setup_figure(workspace.coverage_by_method(nothing), nothing, {}, simulated=False)
+    assert "no positions" in figure.texts[0].get_text()
+    plt.close(figure)
+
+
+def test_equal_budget_keeps_the_first_of_each():
+    episodes = [episode(np.zeros((4, 2)), method="static"), episode(np.zeros((9, 2)), method="move")]
+    cut = workspace.equal_budget(workspace.path_table(episodes))
+    assert cut.groupby("method")["step"].apply(list).to_dict() == {"static": [0, 1, 2, 3], "move": [0, 1, 2, 3]}
+
+
+def test_action_table():
+    table = workspace.action_table([episode([[0, 0], [1, 0], [3, 0]])]).set_index("component")
+    assert table.loc["x", "mean_step"] == 1.5 and table.loc["y", "sd"] == 0 and table.loc["x", "highest"] == 3
+
+
+def square(row: int, column: int, colour=(245, 130, 20)) -> np.ndarray:
+    """A grey image with a coloured 4 x 4 square whose upper left corner is given."""
+    image = np.full((20, 30, 3), 200, np.uint8)
+    image[row:row + 4, column:column + 4] = colour
+    return image
+
+
+def test_tracking_finds_the_centre_and_hides_what_is_not_orange():
+    frames = np.stack([square(2, 3), square(2, 13), square(2, 13, (20, 60, 245)), square(2, 13, (240, 20, 20))])
+    centres = tracking.track_orange(frames)
+    np.testing.assert_allclose(centres[:2], [[3.5, 4.5], [3.5, 14.5]])
+    assert np.isnan(centres[2:]).all(), "blue and red are not orange"
+    assert tracking.speeds(centres, np.arange(4) / 2)[0] == pytest.approx(20)
+
+
+@pytest.mark.parametrize("colour", [(255, 140, 0), (230, 120, 40), (200, 110, 20)])
+def test_shades_of_orange(colour):
+    assert tracking.orange_mask(square(0, 0, colour)).sum() == 16
+
+
+@pytest.mark.parametrize("colour", [(255, 255, 0), (128, 128, 128), (210, 170, 140), (60, 30, 5), (0, 0, 0)])
+def test_skin_yellow_grey_and_dark_are_not_orange(colour):
+    assert tracking.orange_mask(square(0, 0, colour)).sum() == 0
+
+
+def test_object_speed_looks_before_the_grasp_only():
+    frames = [square(2, 2 + min(n, 10)) for n in range(20)]
+    e = episode(np.zeros((20, 2)), gripper=[9] * 11 + [1] * 9, frames=frames)
+    row = tracking.object_speeds(tracking.object_places([e], "cam")).iloc[0]
+    assert row["mean_speed"] == pytest.approx(10) and row["travelled"] == pytest.approx(10) and row["unit"] == "px"
+
+
+def test_seen_share_counts_square_cells():
+    places = pd.DataFrame({"row": [0.0, 4.9, 5.1, np.nan], "column": [0.0, 4.0, 9.9, 1.0], "height": 10, "width": 20})
+    assert tracking.seen_share(places, across=4) == 2 / 8
+    assert tracking.seen_share(places.iloc[3:], across=4) == 0
+
+
+def test_pictures_draw_without_disk_and_keep_their_colours():
+    figure, axes = plt.subplots(1, 2)
+    real_plots.success_cells(real_table(), axes[0])
+    real_plots.score_cells(real_table(), axes[1])
+    faces = [matplotlib.colors.to_hex(bar.get_facecolor()) for bar in axes[0].patches]
+    assert faces == ["#0072b2", "#d55e00", "#0072b2", "#d55e00"]
+    assert [bar.get_height() for bar in axes[0].patches] == pytest.approx([1 / 30, 7 / 30, 7 / 30, 11 / 30])
+    assert "7/30" in [text.get_text() for text in axes[0].texts]
+    plt.close(figure)
+
+
+@pytest.mark.parametrize("simulated", [True, False])
+def test_setup_figure_says_what_it_is(simulated):
+    episodes = [
+        episode([[0.1, 0.1], [0.3, 0.1], [0.3, 0.2], [0.3, 0.3]], [9, 1, 1, 1], method, frames=[square(1, 1)] * 4)
+        for method in ("static", "move")
+    ]
+    steps = workspace.path_table(episodes)
+    figure = real_figures.setup_figure(workspace.coverage_by_method(steps), steps,
+                                      workspace.frame_strips(episodes, count=3), simulated=simulated)
+    assert (real_figures.SIMULATED_TEXT in [text.get_text() for text in figure.texts]) == simulated
+    assert len(figure.axes) == 6
+    plt.close(figure)
+
+
+@pytest.mark.parametrize("methods", [("static", "move"), ("unknown",)])
+def test_object_figure_one_map_a_method(methods):
+    episodes = [
+        episode(np.zeros((12, 2)), method=method, frames=[square(2, n) for n in range(12)]) for method in methods
+    ]
+    places = tracking.object_places(episodes, "cam")
+    figure = real_figures.object_figure(places, tracking.object_speeds(places), simulated=True)
+    assert len(figure.axes) == len(methods) + 1 and figure.texts[-1].get_text() == real_figures.SIMULATED_TEXT
+    plt.close(figure)
+
+
+def test_speed_dots_one_dot_an_episode():
+    figure, ax = plt.subplots()
+    real_plots.speed_dots(
+        pd.DataFrame({"method": ["static", "move", "move"], "mean_speed": [0.0, 1.0, np.nan], "unit": "m"}), ax)
+    assert [len(line.get_xdata()) for line in ax.lines] == [1, 1]
+    plt.close(figure)
+
+
+def test_tables_and_pictures_are_written_the_same_twice(tmp_path):
+    contents = []
+    for name in ("a", "b"):
+        figure, ax = plt.subplots()
+        real_plots.success_cells(real_table(), ax)
+        style.save(figure, "t", tmp_path / name)
+        style.save_table(real_table(), "t", tmp_path / name, printed=tables.printed_trials(real_table()))
+        plt.close(figure)
+        contents.append([(tmp_path / name / f"t.{kind}").read_bytes() for kind in ("pdf", "png", "csv", "tex")])
+    assert contents[0] == contents[1]
+    assert pd.read_csv(tmp_path / "a/t.csv")["successes"].tolist() == [1, 7, 7, 11]
+    assert b"7/30" in contents[0][3] and b"9.9 to 42.3" in contents[0][3] and b"\\%" in contents[0][3]
