@@ -46,7 +46,8 @@ DATA = "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
 VIDEO = "videos/{video_key}/chunk-{chunk_index:03d}/file-{file_index:03d}.mp4"
 FIRST = {"chunk_index": 0, "file_index": 0}  # one file holds all episodes
 # Colour is kept at full resolution and finely, because the object is a few pixels wide: about 1.5 of 255 levels are
-# lost on average. Every second frame is a key frame, so that any window can be read without decoding what lies before it.
+# lost on average. Every second frame is a key frame, so that any window can be read without decoding what lies
+# before it.
 PIXEL_FORMAT = "yuv444p"
 VIDEO_OPTIONS = {"crf": "8", "g": "2", "bf": "0", "preset": "medium"}
 
