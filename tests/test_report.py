@@ -10,7 +10,10 @@ import pandas as pd  # noqa: E402
 import pytest  # noqa: E402
 
 from move.report import plots, style, tables  # noqa: E402
-from move.study import paper, statistics  # noqa: E402
+from move.sim.collect import Collection  # noqa: E402
+from move.sim.tasks import TASKS  # noqa: E402
+from move.study import paper, results, statistics  # noqa: E402
+from move.study.spec import RunSpec  # noqa: E402
 
 
 def episodes(rates: dict[str, float], seeds: int = 3, trials: int = 16) -> pd.DataFrame:
@@ -114,3 +117,39 @@ def test_the_papers_table_averages_to_the_papers_means():
     for method, value in paper.TABLE2_MEAN.items():
         assert means[method] == pytest.approx(value, abs=6e-4)
     assert paper.TABLE2_MEAN["move"] / paper.TABLE2_MEAN["static"] - 1 == pytest.approx(0.761, abs=1e-3)
+
+
+def collector(method: str, outcomes: list[tuple[bool, int]]) -> results.Result:
+    collection = Collection(task="hammer", method=method, timesteps=1)
+    spec = RunSpec(task="hammer", seed=0, player="collector", collection=collection)
+    rows = [{"trial": number, "group": "attempt", "success": success, "steps": steps}
+            for number, (success, steps) in enumerate(outcomes)]
+    return results.Result(spec, rows, None, None, {}, {})
+
+
+def test_collection_costs_count_all_attempts_but_only_successful_steps():
+    table = tables.collection_costs([collector("static", [(True, 80), (True, 100), (False, 200)])])
+    assert table.loc[0, "generation_rate"] == pytest.approx(2 / 3) and table.loc[0, "mean_steps"] == 90
+    assert table.loc[0, "low"] < 2 / 3 < table.loc[0, "high"]
+    assert np.isnan(tables.collection_costs([collector("move", [(False, 200)])]).loc[0, "mean_steps"])
+
+
+def test_table_5_is_the_papers_and_counts_demonstrations():
+    costs = pd.DataFrame([{"task": name, "method": method, "expert": "phase", "mean_steps": 100.0}
+                          for name in TASKS for method in ("static", "adc", "move")])
+    table = tables.data_sizes(costs)
+    assert table.timesteps.tolist() == table.paper.tolist() == list(paper.TABLE5_DATA_SIZES.values())
+    assert table["static demonstrations"].tolist() == [size / 100 for size in table.timesteps]
+
+
+def test_table_4_agrees_with_the_paper_where_it_should():
+    table = tables.hyperparameters(["laptop", "paper"]).set_index("hyperparameter")
+    for name in ("prediction horizon", "action horizon", "observation horizon", "denoising steps in training",
+                 "denoising steps in inference", "batch size"):
+        assert table.loc[name, "paper"] == table.loc[name, "paper, simulation"]
+    assert table.loc["gradient steps", "paper"] == "220000"
+
+
+def test_kept_shares_name_the_tasks_with_a_limited_reach():
+    shares = tables.kept_shares(np.random.default_rng(0), 50).set_index("task").kept_share
+    assert shares["pick-place"] == 1.0 and shares["window-open"] < 1.0 and shares.between(0, 1).all()

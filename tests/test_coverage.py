@@ -1,0 +1,77 @@
+"""Coverage of configurations, and films: what figure 2 counts and shows."""
+
+import imageio.v3 as imageio
+import numpy as np
+import pandas as pd
+import pytest
+
+from move.report import film
+from move.sim.collect import Collection, collect
+from move.sim.observe import gl_problem
+from move.sim.tasks import get_task
+from move.study import coverage
+
+needs_gl = pytest.mark.skipif(gl_problem() is not None, reason="no GL library on this machine")
+TASK = get_task("pick-place")
+
+
+@pytest.fixture(scope="module")
+def seen() -> dict[str, pd.DataFrame]:
+    return {method: coverage.configurations(Collection(task="pick-place", method=method, timesteps=500), 0)
+            for method in ("static", "adc", "move")}
+
+
+def test_it_notes_the_timesteps_of_the_data_set(seen):
+    for method, rows in seen.items():
+        demonstrations, _ = collect(Collection(task="pick-place", method=method, timesteps=500), 0)
+        assert len(rows) == demonstrations.timesteps
+        assert rows.groupby("episode").size().tolist() == demonstrations.lengths.tolist()
+
+
+def test_static_demonstrations_show_one_configuration_each(seen):
+    places = seen["static"].groupby("episode")[["object_x", "target_x", "camera_angle"]].nunique()
+    assert (places == 1).all().all()
+
+
+def test_adc_shows_two_places_each_and_move_many(seen):
+    whole = {method: rows[(rows.phase == "pick") & (rows.episode < rows.episode.max())]  # the last one is cut
+             for method, rows in seen.items()}
+    places = {method: rows.groupby("episode").object_x.nunique() for method, rows in whole.items()}
+    assert (places["adc"] == 2).all()
+    assert (places["move"] > 10).all()
+
+
+def test_the_share_counts_cells_once():
+    low, high = TASK.object_range.low, TASK.object_range.high
+    rows = pd.DataFrame({"phase": ["pick"] * 4 + ["place"], "object_x": [low[0], low[0], high[0], low[0], 0.0],
+                         "object_y": [low[1], low[1], high[1], high[1], 0.7], "target_x": 0.0, "target_y": 0.85,
+                         "camera_angle": [0.0, 0.01, 1.6, 3.14, 3.14]})
+    assert coverage.visited_share(rows, TASK, "object") == 3 / 100  # three corners; the last row is in the hand
+    assert coverage.visited_share(rows, TASK, "target") == 1 / 100
+    assert coverage.visited_share(rows, TASK, "camera") == 3 / 20
+
+
+def test_moving_scenes_cover_more(seen):
+    for part in coverage.PARTS:
+        shares = {method: coverage.visited_share(rows, TASK, part) for method, rows in seen.items()}
+        assert shares["move"] > 2 * shares["static"]
+
+
+@pytest.mark.parametrize(("part", "field"), [("translation", "object_speed"), ("rotation", "yaw_speed"),
+                                             ("camera", "camera_speed")])
+def test_a_strip_shows_one_motion_alone(part, field):
+    speeds = film.only(part).model_dump()
+    assert [name for name, speed in speeds.items() if speed] == [field]
+
+
+def test_a_strip_is_evenly_spaced_frames_side_by_side():
+    frames = np.arange(9, dtype=np.uint8)[:, None, None, None].repeat(2, 1).repeat(2, 2).repeat(3, 3)
+    strip = film.strip(frames, 3)
+    assert strip.shape == (2, 6, 3) and strip[0, ::2, 0].tolist() == [0, 4, 8]
+
+
+@needs_gl
+def test_a_film_holds_the_whole_demonstration(tmp_path):
+    frames = film.demonstration_frames(film.demonstration("pick-place", "move", 32), 0)
+    path = film.write_film(frames, tmp_path / "film.mp4")
+    assert len(imageio.imread(path, plugin="pyav")) == len(frames) > 50
