@@ -23,6 +23,7 @@ from rich.table import Table  # noqa: E402
 
 from move.learn.evaluate import Evaluation, PolicyPlayer, evaluate  # noqa: E402
 from move.learn.train import train  # noqa: E402
+from move.paths import figures  # noqa: E402
 from move.sim.collect import Collection, attempts, collect  # noqa: E402
 from move.sim.observe import gl_problem, gl_renderer  # noqa: E402
 from move.sim.scene import Scene  # noqa: E402
@@ -149,10 +150,15 @@ def main() -> None:
         bench_drawing()
         bench_image_step()
     report("peak memory", f"{peak_memory_mb():,.0f} MB", "", None, "<= 2,000 MB")
-    table = Table("what", "ours", "reference", "ratio", "wanted", title=f"{processor()}, one core; GL: {gl_renderer()}")
+    header = ("what", "ours", "reference", "ratio", "wanted")
+    where = f"{processor()}, one core; GL: {gl_renderer()}"
+    table = Table(*header, title=where)
     for row in rows:
         table.add_row(*row)
     Console(width=130).print(table)
+    lines = [f"Measured by `make bench` on {where}.", "", *(f"| {' | '.join(row)} |" for row in
+             (header, ("---",) * len(header), *rows))]
+    (figures("laptop") / "bench.md").write_text("\n".join(lines) + "\n")
 
 
 if __name__ == "__main__":
