@@ -21,7 +21,7 @@ def figure(root: Path, profile: str) -> Path:
     command = [sys.executable, "-m", "move.cli", "figure", NAME, "--profile", profile]
     environment = os.environ | {"MOVE_ROOT": str(root), "PYTHONPATH": str(paths.ROOT), "HF_HUB_OFFLINE": "1",
                                 "OMP_NUM_THREADS": "1"}
-    done = subprocess.run(command, cwd=root, env=environment, capture_output=True, text=True)
+    done = subprocess.run(command, cwd=root, env=environment, capture_output=True, text=True, timeout=300)
     assert done.returncode == 0, done.stderr[-3000:]
     return root / f"build/figures/{profile}"
 
