@@ -40,7 +40,7 @@ def use_style() -> None:
 
 def footnote(figure: Figure, text: str) -> None:
     """Write small print under the figure: observation, budget, seeds, and what the profile is for."""
-    wrapped = textwrap.fill(text, int(figure.get_figwidth() * 26))
+    wrapped = textwrap.fill(text, int(figure.get_figwidth() * 23))
     figure.supxlabel(wrapped, fontsize=5.5, color="#555555", x=0.01, ha="left")
 
 
