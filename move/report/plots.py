@@ -99,6 +99,8 @@ def task_rates(table: pd.DataFrame, controls: pd.DataFrame, ax: Axes) -> None:
 def costs(table: pd.DataFrame, value: str, paper: dict[str, float], ax: Axes) -> None:
     """Mean over the tasks of `value` for each method, one bar an expert, single tasks as dots, the paper dotted.
 
+    The error bar is the mean's normal 95 % interval from the spread of the tasks.
+
     Args:
         table: task, method, expert and the column `value`.
         paper: the paper's value for each method that it has.
@@ -108,7 +110,9 @@ def costs(table: pd.DataFrame, value: str, paper: dict[str, float], ax: Axes) ->
         for expert, shift in zip(experts, (-0.2, 0.2), strict=True):
             values = table[(table.method == method) & (table.expert == expert)][value]
             ax.bar(place + shift, values.mean(), width=0.36, color=COLOURS[method], alpha=0.9 if shift < 0 else 0.45)
-            ax.plot(np.full(len(values), place + shift), values, ".", color="black", ms=2.5)
+            spread = 1.96 * values.sem() if len(values) > 1 else 0.0
+            ax.errorbar(place + shift, values.mean(), spread, color="black", capsize=3, lw=1)
+            ax.plot(np.full(len(values), place + shift + 0.1), values, ".", color="#444444", ms=2.5)
         if method in paper:
             ax.plot([place - 0.42, place + 0.42], [paper[method]] * 2, color="black", ls=":", lw=1.4)
     ax.set_xticks(range(len(methods)), [NAMES[method] for method in methods])
