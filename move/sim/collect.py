@@ -20,7 +20,8 @@ from move.errors import BadInput
 from move.sim.configuration import Vector
 from move.sim.demonstrations import Demonstrations
 from move.sim.experts import Expert, make_expert
-from move.sim.moving import Jumps, Motions, with_motions
+from move.sim.jumping import Jumps
+from move.sim.moving import Motions, with_motions
 from move.sim.protocols import grasp_point, motion_region
 from move.sim.scene import EPISODE_STEPS, SUCCESS_STEPS, Scene
 from move.sim.tasks import FACTORS, TASKS, get_task
