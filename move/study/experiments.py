@@ -17,7 +17,7 @@ from move.errors import BadInput
 from move.learn.evaluate import Evaluation
 from move.sim.collect import METHODS, Collection
 from move.sim.experts import EXPERTS
-from move.sim.tasks import TASKS
+from move.sim.tasks import TASKS, get_task
 from move.study.profiles import first_problem, load_profile
 from move.study.spec import RunSpec
 
@@ -93,15 +93,20 @@ def table6_collection(profile: str = "laptop", attempts: Count = 100) -> list[Ru
 
 @checked
 def table_keypoint_control(
-    profile: str = "laptop", timesteps: Count = 2500, seeds: Count = 3, episodes: Count = 100
+    profile: str = "laptop", timesteps: Count = 2500, seeds: Count = 3, episodes: Count = 100,
+    larger: Count = 10_000, larger_tasks: tuple[str, ...] = ("assembly", "hammer", "basketball"),
 ) -> list[RunSpec]:
-    """Every task from keypoints, three methods at one budget, between each task's floor and ceiling."""
+    """Every task from keypoints, three methods at one budget, between each task's floor and ceiling.
+
+    The tasks that stay near their floor, `larger_tasks`, get a `larger` budget as well, alike for all methods.
+    """
     recipe, evaluation = load_profile(profile).training["keypoints"], Evaluation(episodes=episodes)
     policies = [
         RunSpec(task=task, seed=seed, training=recipe, evaluation=evaluation,
-                collection=Collection(task=task, method=method, timesteps=timesteps))
+                collection=Collection(task=get_task(task).name, method=method, timesteps=budget))
         for seed in range(seeds)
-        for task in TASKS
+        for budget, tasks in ((timesteps, TASKS), (larger, larger_tasks))
+        for task in tasks
         for method in METHODS
     ]
     return policies + [spec for task in TASKS for spec in controls(task, evaluation)]
