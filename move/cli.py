@@ -21,6 +21,7 @@ from move.errors import BadInput
 app = typer.Typer(add_completion=False, no_args_is_help=True, rich_markup_mode=None, pretty_exceptions_enable=False,
                   help="MOVE, reproduced: collect demonstrations, train policies, evaluate them, rebuild the paper.")
 
+INTERRUPTED = 130  # exit code after Ctrl-C
 Json = Annotated[bool, typer.Option("--json", help="print JSON for machines instead of a table for people")]
 Seed = Annotated[int, typer.Option(min=0, help="decides every random number")]
 ClipActions = Annotated[bool, typer.Option("--clip-actions", help="clip actions to -1..1 as Meta-World does")]
@@ -297,18 +298,15 @@ def main() -> None:
     except ClickException as problem:
         code = _refuse(" ".join(problem.format_message().split()))
     except (typer.Abort, KeyboardInterrupt):
-        code = _interrupted()
+        code = INTERRUPTED
+    if code == INTERRUPTED:  # which is also what typer makes of Ctrl-C
+        typer.echo("move: interrupted; the same command goes on from here", err=True)
     sys.exit(code if isinstance(code, int) else 0)
 
 
 def _refuse(line: str) -> int:
     typer.echo(f"move: {line}", err=True)
     return 2
-
-
-def _interrupted() -> int:
-    typer.echo("move: interrupted; the same command goes on from here", err=True)
-    return 130
 
 
 if __name__ == "__main__":

@@ -52,6 +52,15 @@ def test_bad_input_is_one_clear_line_and_exit_code_2(capsys, tmp_path, monkeypat
     assert not list(tmp_path.iterdir())  # nothing half-written
 
 
+def test_ctrl_c_says_how_to_go_on(capsys, monkeypatch):
+    def interrupted(*arguments, **keywords):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("move.study.execute.execute", interrupted)
+    code, _, err = move(capsys, "run", "--profile", "smoke")
+    assert code == 130 and "the same command goes on" in err
+
+
 def test_a_results_folder_that_cannot_be_written_is_refused(capsys, tmp_path):
     (tmp_path / "file").write_text("")
     code, _, err = move(capsys, "run", "--profile", "smoke", "--results", str(tmp_path / "file"))
