@@ -141,7 +141,7 @@ def train(
 @app.command()
 def evaluate(
     checkpoint: Annotated[Optional[Path], typer.Argument(help="folder that `move train` wrote")] = None,
-    player: Annotated[str, typer.Option(help="policy, nothing, random or expert")] = "policy",
+    player: Annotated[str, typer.Option(help="policy, nothing, random, expert or goal-blind")] = "policy",
     task: Annotated[str, typer.Option(help="the task")] = "pick-place",
     layout: Annotated[str, typer.Option(help="random or grid")] = "random",
     episodes: Annotated[int, typer.Option(help="number of random configurations")] = 100,
@@ -160,14 +160,12 @@ def evaluate(
     if factors not in FACTORS:
         raise BadInput(f"factors: {factors!r} given; allowed are {', '.join(FACTORS)}")
     plan = settings(evaluating.Evaluation, layout=layout, episodes=episodes, factors=factors)
-    controls = {"nothing": evaluating.Nothing, "random": lambda: evaluating.Random(seed),
-                "expert": lambda: evaluating.Expert("phase")}
-    if player not in ("policy", *controls):
-        raise BadInput(f"player: {player!r} given; allowed are policy, {', '.join(controls)}")
+    if player not in ("policy", *evaluating.CONTROLS):
+        raise BadInput(f"player: {player!r} given; allowed are policy, {', '.join(evaluating.CONTROLS)}")
     if player == "policy" and checkpoint is None:
         raise BadInput("checkpoint: none given; a policy needs the folder that `move train` wrote")
     policy = load_policy(checkpoint) if player == "policy" else None
-    who = evaluating.PolicyPlayer(policy, seed) if policy else controls[player]()
+    who = evaluating.PolicyPlayer(policy, seed) if policy else evaluating.CONTROLS[player](seed)
     image = policy is not None and len(policy.observation_shape) == 3
     rows = evaluating.evaluate(who, get_task(task), plan, "rgb" if image else "keypoints",
                                policy.observation_shape[0] if image else 96, progress("evaluate"))

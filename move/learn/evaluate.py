@@ -183,6 +183,15 @@ class GoalBlind(Expert):
             return expert.action(scene)
 
 
+CONTROLS: dict[str, Callable[[int], Player]] = {
+    "nothing": lambda seed: Nothing(),
+    "random": Random,
+    "expert": lambda seed: Expert("phase"),
+    "goal-blind": lambda seed: GoalBlind(),
+}
+"""Every player that is no policy, made from a seed."""
+
+
 def _play_seed(seed: int) -> int:
     return int(np.random.SeedSequence([PLAY_STREAM, seed]).generate_state(1)[0])
 

@@ -7,10 +7,8 @@ from pathlib import Path
 import imageio.v3 as imageio
 import numpy as np
 
-from move.sim.collect import Collection, attempt_seed, collecting_env, demonstrate
-from move.sim.experts import make_expert
+from move.sim.collect import Collection, attempts
 from move.sim.moving import Motions
-from move.sim.tasks import get_task
 
 FRAMES_PER_SECOND = 25  # two timesteps of three are shown at real speed
 
@@ -21,12 +19,7 @@ def demonstration_frames(collection: Collection, seed: int) -> np.ndarray:
     Raises:
         BadInput: pictures cannot be drawn on this machine.
     """
-    env, expert = collecting_env(collection), make_expert(collection.expert, get_task(collection.task))
-    for attempt in range(20):
-        episode = demonstrate(env, expert, attempt_seed(seed, attempt), {"factors": collection.factors})
-        if episode.succeeded:
-            break
-    return np.stack(episode.observations)
+    return np.stack(next(episode.observations for episode in attempts(collection, seed) if episode.succeeded))
 
 
 def demonstration(task: str, method: str, image_size: int = 192, motions: Motions | None = None) -> Collection:

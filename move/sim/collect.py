@@ -121,9 +121,13 @@ def demonstrate(env: gymnasium.Env, expert: Expert, seed: int, options: dict) ->
     return Episode(observations, actions, successes >= SUCCESS_STEPS, grasped_at)
 
 
-def attempts(collection: Collection, seed: int) -> Iterator[Episode]:
-    """Endless attempts; one that grasps away from its prescribed point counts as failed."""
-    env, task = collecting_env(collection), get_task(collection.task)
+def attempts(collection: Collection, seed: int, env: gymnasium.Env | None = None) -> Iterator[Episode]:
+    """Endless attempts; one that grasps away from its prescribed point counts as failed.
+
+    Args:
+        env: `collecting_env(collection)` with more wrapped around it, for a caller that watches.
+    """
+    env, task = env or collecting_env(collection), get_task(collection.task)
     expert = make_expert(collection.expert, task)
     attempt = kept = 0
     while True:

@@ -9,7 +9,6 @@ import numpy as np
 from move.sim.configuration import Box, Disc, Vector
 from move.sim.task import Task
 
-PROTOCOLS = ("random", "sparse", "dense", "circle")
 CIRCLE = Disc((-0.05, 0.65), 0.15)  # figure 5; metres
 CIRCLE_POINTS = 20
 SPARSE_SIDE = 3  # 3 x 3 points, figure 1

@@ -12,9 +12,8 @@ import gymnasium
 import numpy as np
 import pandas as pd
 
-from move.sim.collect import Collection, attempt_seed, collecting_env, demonstrate
-from move.sim.experts import make_expert
-from move.sim.tasks import Task, get_task
+from move.sim.collect import Collection, attempts, collecting_env
+from move.sim.tasks import Task
 
 SIDE = 10  # cells along each axis of a place
 ANGLES = 20  # cells of the camera's range
@@ -22,15 +21,12 @@ PARTS = ("object", "target", "camera")
 
 
 class Recorder(gymnasium.Wrapper):
-    """Notes the scene's configuration at each timestep that is observed."""
-
-    def __init__(self, env: gymnasium.Env) -> None:
-        super().__init__(env)
-        self.seen: list[dict[str, Any]] = []
+    """Notes in `seen` the scene's configuration at each timestep of the episode that is observed."""
 
     def reset(self, **keywords: Any) -> tuple[np.ndarray, dict]:
         """Start an episode."""
         outcome = self.env.reset(**keywords)
+        self.seen: list[dict[str, Any]] = []
         self._note()
         return outcome
 
@@ -56,17 +52,14 @@ def configurations(collection: Collection, seed: int) -> pd.DataFrame:
 
     Columns besides: episode, timestep, method. Failed attempts are left out, as in the data set itself.
     """
-    recorder = Recorder(collecting_env(collection))
-    expert, frames, total, attempt = make_expert(collection.expert, get_task(collection.task)), [], 0, 0
-    while total < collection.timesteps:
-        recorder.seen = []
-        options = {"factors": collection.factors}
-        episode = demonstrate(recorder, expert, attempt_seed(seed, attempt), options)
-        attempt += 1
+    recorder, frames, total = Recorder(collecting_env(collection)), [], 0
+    for episode in attempts(collection, seed, recorder):
         if episode.succeeded:
             frame = pd.DataFrame(recorder.seen[: len(episode.actions)])
             frames.append(frame.assign(episode=len(frames), timestep=range(len(frame))))
             total += len(frame)
+        if total >= collection.timesteps:
+            break
     return pd.concat(frames, ignore_index=True).head(collection.timesteps).assign(method=collection.method)
 
 

@@ -14,7 +14,7 @@ import torch
 
 from move.errors import BadInput
 from move.learn.diffusion import DiffusionPolicy
-from move.learn.evaluate import Expert, GoalBlind, Nothing, Player, PolicyPlayer, Random, evaluate
+from move.learn.evaluate import CONTROLS, Player, PolicyPlayer, evaluate
 from move.learn.train import TrainingReport, train
 from move.paths import RUNS
 from move.sim.collect import attempts, collect
@@ -75,10 +75,8 @@ def _evaluate(spec: RunSpec, player: Player, report: OnProgress, seconds: dict[s
 def _player(
     spec: RunSpec, report: OnProgress, seconds: dict[str, float], scratch: Path
 ) -> tuple[Player, dict | None, dict | None]:
-    controls = {"nothing": Nothing, "random": lambda: Random(spec.seed), "expert": lambda: Expert("phase"),
-                "goal-blind": GoalBlind}
     if spec.player != "policy":
-        return controls[spec.player](), None, None
+        return CONTROLS[spec.player](spec.seed), None, None
     started = time.perf_counter()
     demonstrations, record = collect(spec.collection, spec.seed, lambda done, total: report("collect", done, total))
     seconds["collect"] = time.perf_counter() - started
