@@ -186,7 +186,7 @@ def chosen_specs(profile: str, figures: list[str] | None) -> dict[str, list]:
 def run(
     profile: ProfileName = "laptop",
     figure: Figure = None,
-    workers: Annotated[Optional[int], typer.Option(min=1, help="processes (default: one a core)")] = None,
+    workers: Annotated[Optional[int], typer.Option(min=1, help="processes (default: one a core, or one a GPU)")] = None,
     cluster: Annotated[Optional[str], typer.Option(help="address of a Dask scheduler, tcp://host:8786")] = None,
     results: Annotated[Optional[Path], typer.Option(help="results folder (default: the profile's)")] = None,
     as_json: Json = False,
@@ -211,10 +211,10 @@ def run(
 @app.command()
 def plan(profile: ProfileName = "laptop", figure: Figure = None, as_json: Json = False) -> None:
     """Show what would run, how long it would take and why, without running anything."""
-    from move.study.plan import plan_rows
+    from move.study.plan import plan_rows, plan_title
 
     rows = plan_rows(profile, chosen_specs(profile, figure))
-    show(rows, as_json, f"Profile {profile}: what `move run` would do (core-minutes)")
+    show(rows, as_json, plan_title(profile))
 
 
 @app.command()

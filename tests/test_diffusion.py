@@ -260,3 +260,55 @@ def test_observations_that_do_not_suit_the_settings_are_refused(message, setting
 def test_acting_on_the_wrong_shape_is_refused():
     with pytest.raises(BadInput, match=r"expects \(batch, 2, 6\)"):
         policy(keypoint_settings(), (6,)).act(np.zeros((1, 2, 7), np.float32), generator())
+
+
+# what makes the laptop recipe fast
+
+def test_observations_are_encoded_once_for_all_noise_draws(monkeypatch):
+    settings = image_settings(noise_draws=5)
+    one, encoded = policy(settings, (32, 32, 3)), []
+    monkeypatch.setattr(one.encoder, "forward", lambda images, real=one.encoder.forward: (
+        encoded.append(len(images)), real(images))[1])
+    denoised = []
+    monkeypatch.setattr(one.denoiser, "forward", lambda noisy, time, condition, real=one.denoiser.forward: (
+        denoised.append((len(noisy), len(set(time.tolist())), condition)), real(noisy, time, condition))[1])
+    one.loss(*windows(settings, 3), generator())
+    assert encoded == [3 if settings.stack_frames else 6]
+    rows, levels, condition = denoised[0]
+    assert rows == 15 and levels > 5  # every draw has its own noise level ...
+    assert torch.equal(condition[:3], condition[12:])  # ... and its window's condition
+
+
+def test_many_noise_draws_average_to_the_same_loss():
+    few, many = (policy(keypoint_settings(noise_draws=draws), (6,)) for draws in (1, 400))
+    observations, actions = windows(keypoint_settings(), 8)
+    singles = np.mean([few.loss(observations, actions, generator(seed)).item() for seed in range(400)])
+    assert many.loss(observations, actions, generator()).item() == pytest.approx(singles, rel=0.05)
+
+
+def test_stacked_frames_are_one_image_of_many_channels():
+    each, stacked = (policy(image_settings(stack_frames=stack), (32, 32, 3)) for stack in (False, True))
+    assert each.encoder.maps[0].in_channels == 3 and stacked.encoder.maps[0].in_channels == 6
+    observations, _ = windows(image_settings(), 2)
+    cut = crop(observations, 28)
+    seen = []
+    stacked.encoder.register_forward_pre_hook(lambda module, inputs: seen.append(inputs[0]))
+    stacked._condition(cut)
+    older, newer = seen[0][:, :3], seen[0][:, 3:]
+    assert torch.equal(older, cut[:, 0].permute(0, 3, 1, 2) / 127.5 - 1)
+    assert torch.equal(newer, cut[:, 1].permute(0, 3, 1, 2) / 127.5 - 1)
+
+
+def test_a_large_gain_gives_every_pattern_a_place_of_its_own():
+    maps = torch.randn(1, 16, 22, 22, generator=generator())
+    spread = []
+    for gain in (1.0, 16.0):
+        with torch.random.fork_rng():
+            torch.manual_seed(0)
+            spread.append(SpatialSoftmax(16, 32, 22, 22, gain)(maps).std().item())
+    assert spread[1] > 2 * spread[0]
+
+
+def test_only_the_small_cnn_stacks_frames():
+    with pytest.raises(ValidationError, match="only small_cnn takes several frames"):
+        recipes.paper(stack_frames=True)

@@ -11,6 +11,7 @@ import pytest  # noqa: E402
 
 from move.report import plots, style, tables  # noqa: E402
 from move.sim.collect import Collection  # noqa: E402
+from move.sim.configuration import Disc  # noqa: E402
 from move.sim.tasks import TASKS  # noqa: E402
 from move.study import paper, results, statistics  # noqa: E402
 from move.study.spec import RunSpec  # noqa: E402
@@ -153,3 +154,58 @@ def test_table_4_agrees_with_the_paper_where_it_should():
 def test_kept_shares_name_the_tasks_with_a_limited_reach():
     shares = tables.kept_shares(np.random.default_rng(0), 50).set_index("task").kept_share
     assert shares["pick-place"] == 1.0 and shares["window-open"] < 1.0 and shares.between(0, 1).all()
+
+
+# differences ---------------------------------------------------------------------------------------------------------
+
+
+def three_methods(task: str, move: float) -> pd.DataFrame:
+    return episodes({"static": 0.2, "adc": 0.5, "move": move}, seeds=3, trials=64).assign(task=task)
+
+
+def test_the_gap_table_names_the_winner_on_each_item_and_on_the_mean():
+    table = tables.gap_table(pd.concat([three_methods("a", 0.95), three_methods("b", 0.2)]), "task")
+    assert list(zip(table.task, table.than, strict=True)) == [
+        ("a", "static"), ("a", "adc"), ("b", "static"), ("b", "adc"), ("mean of 2", "static"), ("mean of 2", "adc")]
+    above, _, _, below, mean, _ = table.itertuples()
+    assert above.low > 0 and below.high < 0
+    assert mean.gap == pytest.approx(table[table.than == "static"].gap[:2].mean())
+    assert "above 0" in tables.spoken_gap(table.iloc[0]) and "below 0" in tables.spoken_gap(table.iloc[3])
+    spoken = tables.spoken_gaps(table, "task")
+    assert "above static on 1 of 2" in spoken and "below it on 1" in spoken
+
+
+def test_the_interval_of_the_mean_is_narrower_than_that_of_one_item():
+    rng = np.random.default_rng(0)
+    pairs = [(rng.random((1, 100)) < 0.5, rng.random((1, 100)) < 0.3) for _ in range(9)]
+    one, mean = statistics.difference(*pairs[0], rng), statistics.mean_difference(pairs, rng)
+    assert (mean[2] - mean[1]) == pytest.approx((one[2] - one[1]) / 3, rel=0.25)
+
+
+def test_a_method_that_is_missing_leaves_no_gap():
+    half = three_methods("a", 0.9)
+    table = tables.gap_table(half[half.method != "adc"], "task")
+    assert list(table.than) == ["static"]
+    assert tables.gap_table(half[half.method == "adc"], "task").empty
+    assert tables.spoken_gaps(tables.gap_table(half[half.method == "adc"], "task"), "task") == "nothing is stored yet."
+
+
+def test_cells_are_inside_the_circle_by_their_centre():
+    grid = episodes({"move": 0.5}, seeds=1, trials=16)
+    where = tables.inside_and_outside(grid, Disc((0.0, 0.0), 0.15)).set_index("trial")["where"]
+    assert {trial for trial, side in where.items() if side == "inside"} == {0, 1, 4, 5}  # 0.0 and 0.1 m on both axes
+
+
+def test_plots_draw_one_mark_a_row_and_survive_a_missing_method():
+    rates = pd.DataFrame([
+        {"where": where, "method": method, "value": 0.5, "low": 0.4, "high": 0.6, "paper": 0.3}
+        for where, method in (("inside", "static"), ("inside", "move"), ("outside", "move"))])
+    _, ax = plt.subplots()
+    plots.grouped_rates(rates, "where", ["inside", "outside"], ax)
+    assert len(ax.patches) == 3
+    _, ax = plt.subplots()
+    plots.gaps(tables.gap_table(three_methods("a", 0.9), "task"), "task", ["a"], ax)
+    assert len(ax.containers) == 2
+    _, ax = plt.subplots()
+    plots.gaps(tables.gap_table(three_methods("a", 0.9).query("method == 'adc'"), "task"), "task", [], ax)
+    assert not ax.containers

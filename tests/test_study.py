@@ -13,10 +13,11 @@ from move import paths
 from move.errors import BadInput
 from move.learn.evaluate import Evaluation, Expert, Nothing, PolicyPlayer, Random, evaluate, trials
 from move.learn.train import train
-from move.sim.collect import Collection, collect
+from move.sim.collect import Collection, collect, first_configurations
 from move.sim.configuration import SpatialConfiguration
+from move.sim.scene import Scene
 from move.sim.tasks import get_task
-from move.study import execute, experiments, profiles, results, run
+from move.study import execute, experiments, paper, policies, profiles, results, run
 from move.study.plan import plan_rows
 from move.study.spec import RunSpec
 
@@ -300,3 +301,80 @@ def test_an_episode_does_not_depend_on_which_others_run_beside_it():
     assert [row["trial"] for row in together] == [0, 1, 2, 3]
     assert together == evaluate(PolicyPlayer(policy, 0), TASK, Evaluation(episodes=4))
     assert isinstance(trials(TASK, Evaluation())[0].configuration, SpatialConfiguration)
+
+
+def test_watching_some_episodes_shows_what_all_together_did():
+    watched = []
+    rows = evaluate(Expert("phase"), TASK, Evaluation(episodes=5))
+    some = evaluate(Expert("phase"), TASK, Evaluation(episodes=5), only={1, 4},
+                    watch=lambda number, scene: watched.append((number, scene.steps)))
+    assert some == [rows[1], rows[4]]
+    for number in (1, 4):
+        assert [steps for n, steps in watched if n == number] == list(range(rows[number]["steps"] + 1))
+
+
+def test_a_policys_own_configurations_are_those_it_learnt_from():
+    collection = Collection(task="pick-place", method="static", timesteps=400)
+    demonstrations, _ = collect(collection, seed=5)
+    own = first_configurations(collection, 5, demonstrations.episodes)
+    starts = np.concatenate([[0], demonstrations.episode_ends[:-1]])
+    for configuration, start in zip(own, starts, strict=True):
+        scene = Scene(TASK, "keypoints")
+        scene.reset(options={"configuration": configuration})
+        assert np.array_equal(scene.observe(), demonstrations.observations[start])
+    assert [trial.configuration for trial in trials(TASK, Evaluation(layout="own"), own)] == own
+
+
+# the figures' experiments --------------------------------------------------------------------------------------------
+
+
+def test_table_2_has_ten_tasks_three_methods_and_the_papers_budgets():
+    specs = [spec for spec in experiments.specs("table2_main", "laptop") if spec.observation == "rgb"]
+    budgets = {(spec.task, spec.method): spec.collection.timesteps for spec in specs}
+    assert len(budgets) == 30
+    for (task, _), timesteps in budgets.items():
+        assert timesteps == (20_000 if task == "box-close" else paper.TABLE5_DATA_SIZES[task])
+
+
+def test_the_papers_profile_gives_box_close_the_papers_budget():
+    budgets = {spec.collection.timesteps for spec in experiments.specs("table2_main", "paper")
+               if spec.task == "box-close" and spec.training}
+    assert budgets == {100_000}
+
+
+def test_table_1_shares_its_last_setting_with_table_2():
+    shared = {spec.hash for spec in experiments.specs("table1_spatial_factors", "laptop")}
+    shared &= {spec.hash for spec in experiments.specs("table2_main", "laptop")}
+    assert len(shared) >= 2  # static and MOVE of the seeds that both have
+
+
+@pytest.mark.parametrize(("figure", "protocol", "points"), [
+    ("fig1_sparse", "sparse", "sparse"), ("fig3_dense", "dense", "none"), ("fig5_circle", "circle", "circle")])
+def test_the_preliminary_figures_follow_the_papers_protocol(figure, protocol, points):
+    specs = experiments.specs(figure, "laptop")
+    assert {spec.collection.protocol for spec in specs} == {protocol}
+    assert {(spec.evaluation.grid_side, spec.evaluation.points) for spec in specs} == {(12, points)}
+    assert len({spec.seed for spec in specs}) >= 3 and {spec.method for spec in specs} == {"static", "move"}
+    assert len({spec.collection.timesteps for spec in specs}) == 1
+    assert {spec.observation for spec in specs} == {"rgb"}
+
+
+# policies ------------------------------------------------------------------------------------------------------------
+
+
+def test_a_shipped_policy_is_the_one_that_was_evaluated(stored, tmp_path, monkeypatch):
+    result, _ = stored
+    monkeypatch.setattr(policies.paths, "RUNS", tmp_path / "runs")
+    monkeypatch.setattr(policies.paths, "results", lambda profile: tmp_path / profile)
+    policies.ship(result.spec, "laptop")
+    monkeypatch.setattr(policies.paths, "RUNS", tmp_path / "nothing")
+    policy = policies.trained_policy(result.spec, "laptop")
+    assert evaluate(PolicyPlayer(policy, result.spec.seed), TASK, result.spec.evaluation) == result.rows
+
+
+def test_a_policy_that_is_not_there_is_one_clear_line(tmp_path, monkeypatch):
+    monkeypatch.setattr(policies.paths, "RUNS", tmp_path)
+    with pytest.raises(BadInput, match="its policy is not shipped"):
+        policies.trained_policy(tiny_spec(), "smoke")
+    with pytest.raises(BadInput, match="no finished policy"):
+        policies.ship(tiny_spec(), "smoke")

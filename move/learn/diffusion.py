@@ -102,7 +102,8 @@ class DiffusionPolicy(nn.Module):
         self.observation_limits = Limits(seen[0]) if len(seen) == 1 else Pixels()
         self.action_limits = Limits(action_size)
         self.encoder = ENCODERS[training.encoder](training, seen).to(memory_format=torch.channels_last)
-        condition_size = training.observation_horizon * self.encoder.features
+        looks = 1 if training.stack_frames else training.observation_horizon
+        condition_size = looks * self.encoder.features
         self.denoiser = DENOISERS[training.denoiser](training, action_size, condition_size)
         self.schedule = noise_schedule(training)
 
@@ -115,16 +116,20 @@ class DiffusionPolicy(nn.Module):
     def loss(self, observations: Tensor, actions: Tensor, generator: torch.Generator) -> Tensor:
         """Mean squared error of the denoiser at random noise levels, a scalar.
 
+        Observations are encoded once and serve `noise_draws` noise levels: with images the encoder is what costs.
+
         observations (B, To, coordinates) float32 or (B, To, H, W, 3) uint8, actions (B, Tp, action_size) float32.
         The generator is a CPU one on every device, and gives crops, noise levels and noise in this order.
         """
         if self.training_settings.crop_pixels:
             observations = crop(observations, self.training_settings.crop_pixels, generator)
-        time = torch.randint(self.training_settings.diffusion_steps, (len(actions),), generator=generator)
-        noise = torch.randn(actions.shape, generator=generator).to(actions.device)
-        clean = self.action_limits(actions)
+        draws = self.training_settings.noise_draws
+        clean = self.action_limits(actions).repeat(draws, 1, 1)
+        time = torch.randint(self.training_settings.diffusion_steps, (len(clean),), generator=generator)
+        noise = torch.randn(clean.shape, generator=generator).to(actions.device)
         noisy = self.schedule.add_noise(clean, noise, time)
-        predicted = self.denoiser(noisy, time.to(actions.device), self._condition(observations))
+        condition = self._condition(observations).repeat(draws, 1)
+        predicted = self.denoiser(noisy, time.to(actions.device), condition)
         return F.mse_loss(predicted.float(), clean if self.training_settings.target == "sample" else noise)
 
     @torch.no_grad()
@@ -147,7 +152,10 @@ class DiffusionPolicy(nn.Module):
         return executed.clamp(-1, 1).cpu().numpy()
 
     def _condition(self, observations: Tensor) -> Tensor:
-        """Features of all observations of a window side by side, (B, To * features)."""
+        """Features of each observation side by side, (B, To * features); of stacked frames, (B, features)."""
+        if self.training_settings.stack_frames:
+            stacked = observations.permute(0, 2, 3, 1, 4).flatten(3)  # (B, H, W, To * 3)
+            return self.encoder(self.observation_limits(stacked))
         each = self.encoder(self.observation_limits(observations.flatten(0, 1)))
         return each.view(len(observations), -1)
 
@@ -168,13 +176,16 @@ class DiffusionPolicy(nn.Module):
 
 
 def _seen_shape(training: Training, observation_shape: tuple[int, ...]) -> tuple[int, ...]:
-    """Shape of what the encoder sees of one observation, after the crop."""
+    """Shape of what the encoder sees at once, after the crop: one observation, or all frames of a window."""
     dimensions = 1 if training.encoder == "keypoints" else 3
     if len(observation_shape) != dimensions:
         raise BadInput(f"observations of shape {observation_shape} for encoder {training.encoder!r}; "
                        f"it takes {'(coordinates,)' if dimensions == 1 else '(height, width, 3)'}")
-    if training.crop_pixels is None:
+    if dimensions == 1:
         return observation_shape
-    if training.crop_pixels > min(observation_shape[:2]):
-        raise BadInput(f"crop_pixels {training.crop_pixels} from images of {observation_shape[:2]} pixels")
-    return training.crop_pixels, training.crop_pixels, observation_shape[2]
+    height, width, channels = observation_shape
+    if training.crop_pixels:
+        if training.crop_pixels > min(height, width):
+            raise BadInput(f"crop_pixels {training.crop_pixels} from images of {height, width} pixels")
+        height = width = training.crop_pixels
+    return height, width, channels * (training.observation_horizon if training.stack_frames else 1)

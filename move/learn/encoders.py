@@ -1,10 +1,10 @@
-"""One observation to features: keypoints as they are, or an image through a small CNN.
+"""Observations to features: keypoints as they are, or images through a CNN.
 
 Keypoints   (N, coordinates) as they are
-SmallCNN    (N, 3, H, W), a few convolutions and a spatial softmax, small enough for a CPU
+SmallCNN    (N, 3, H, W), a few convolutions and a spatial softmax, small enough for a CPU; or (N, 3 * To, H, W)
 ResNet18    (N, 3, H, W), the paper's scale: ResNet-18 with group norm, spatial softmax, 64 features
 
-An encoder is built from the settings and the shape of one observation, and says in `features` what it returns.
+An encoder is built from the settings and the shape of what it sees, and says in `features` what it returns.
 """
 
 from collections.abc import Callable
@@ -29,13 +29,16 @@ class Keypoints(nn.Module):
 class SpatialSoftmax(nn.Module):
     """Where in a feature map each of `points` learned patterns lies.
 
-    (N, channels, H, W) -> (N, 2 * points) float32: x, then y, in [-1, 1] of each pattern's centre of mass. All of it
+    (N, channels, H, W) -> (N, 2 * points) float32: x, then y, in [-1, 1] of each pattern's centre of mass. `gain`
+    multiplies the first weights: at 1 every pattern starts spread over the whole picture, and learns slowly. All of it
     stays in channels-last order, in which the convolutions before it work; a change of order costs more than they do.
     """
 
-    def __init__(self, channels: int, points: int, height: int, width: int) -> None:
+    def __init__(self, channels: int, points: int, height: int, width: int, gain: float = 1.0) -> None:
         super().__init__()
         self.pattern = nn.Linear(channels, points)
+        with torch.no_grad():
+            self.pattern.weight.mul_(gain)
         y, x = torch.meshgrid(torch.linspace(-1, 1, height), torch.linspace(-1, 1, width), indexing="ij")
         self.register_buffer("grid", torch.stack([x.flatten(), y.flatten()]), persistent=False)  # (2, H * W)
 
@@ -60,7 +63,7 @@ class ResidualBlock(nn.Module):
 
 
 class SmallCNN(nn.Module):
-    """One strided convolution, residual blocks, spatial softmax: (N, 3, H, W) in [-1, 1] -> (N, 2 * points).
+    """One strided convolution, residual blocks, spatial softmax: (N, channels, H, W) in [-1, 1] -> (N, 2 * points).
 
     The first convolution sees overlapping patches of 8 pixels, one every 4: a cheap way to a quarter of the
     resolution, at which an object of 4 pixels still has a place of its own.
@@ -72,7 +75,8 @@ class SmallCNN(nn.Module):
         patches = nn.Conv2d(channels, training.cnn_width, 8, stride=4, padding=2)
         blocks = [ResidualBlock(training.cnn_width) for _ in range(training.cnn_blocks)]
         self.maps = nn.Sequential(patches, *blocks, nn.SiLU())
-        self.places = SpatialSoftmax(training.cnn_width, training.cnn_points, height // 4, width // 4)
+        self.places = SpatialSoftmax(training.cnn_width, training.cnn_points, height // 4, width // 4,
+                                     training.softmax_gain)
         self.features = 2 * training.cnn_points
 
     def forward(self, image: Tensor) -> Tensor:

@@ -7,7 +7,8 @@ are drawn only for the timesteps it looks at.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import functools
+from collections.abc import Callable, Container, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, Protocol
 
@@ -34,8 +35,10 @@ class Evaluation(BaseModel):
 
     model_config = ConfigDict(frozen=True, strict=True, extra="forbid")
 
-    layout: Literal["random", "grid"] = Field("random", description="random configurations, or a grid over the object")
-    episodes: int = Field(100, gt=0, description="number of random configurations")
+    layout: Literal["random", "grid", "own"] = Field(
+        "random", description="random configurations, a grid over the object, or those that the policy learnt from"
+    )
+    episodes: int = Field(100, gt=0, description="number of configurations, unless they are a grid")
     grid_side: int = Field(12, gt=0, description="cells along a side of the grid")
     factors: str = Field("all", description="what is random; a grid varies the object alone")
     points: Literal["none", "sparse", "circle"] = Field("none", description="grasp points tried besides a grid")
@@ -43,19 +46,21 @@ class Evaluation(BaseModel):
 
 @dataclass(frozen=True)
 class Trial:
-    """One configuration to be tried; `group` is "random", "grid" or "point"."""
+    """One configuration to be tried; `group` is "random", "own", "grid" or "point"."""
 
     group: str
     configuration: SpatialConfiguration
 
 
-def trials(task: Task, evaluation: Evaluation) -> list[Trial]:
-    """The fixed list of configurations of a task and setting.
+def trials(task: Task, evaluation: Evaluation, own: Sequence[SpatialConfiguration] = ()) -> list[Trial]:
+    """The fixed list of configurations of a task and setting; for the layout "own" it is the list that is given.
 
     >>> from move.sim.tasks import get_task
     >>> len(trials(get_task("pick-place"), Evaluation(layout="grid", points="sparse")))
     153
     """
+    if evaluation.layout == "own":
+        return [Trial("own", configuration) for configuration in own]
     if evaluation.layout == "random":
         rng = np.random.default_rng([CONFIGURATION_STREAM, *task.name.encode()])
         return [Trial("random", task.sample(rng, evaluation.factors)) for _ in range(evaluation.episodes)]
@@ -204,48 +209,68 @@ def evaluate(
     image_size: int = 96,
     on_step: Callable[[int, int], None] | None = None,
     together: int = TOGETHER,
+    own: Sequence[SpatialConfiguration] = (),
+    only: Container[int] | None = None,
+    watch: Callable[[int, Scene], None] | None = None,
 ) -> list[dict]:
     """Try `player` once on each configuration: at most 200 steps, ended by the tenth successful one.
 
     Args:
         on_step: called with (episodes ended, episodes in all).
         together: how many episodes are stepped together.
+        own: the configurations of the layout "own".
+        only: numbers of the trials to be tried, the others are left out; by default all.
+        watch: called with the trial's number and its scene at the start and after every step.
 
     Returns:
         One row an episode: trial (number), group, object_x and object_y (metres), success (at least one successful
         step, Meta-World's rule), success_steps (10 is the authors' rule for a demonstration), steps; for a task with a
         strict condition strict_success as well.
     """
-    listed, rows = trials(task, evaluation), []
+    listed, rows = trials(task, evaluation, own), []
     for first in range(0, len(listed), together):
+        batch = listed[first : first + together]
+        chosen = [number for number in range(len(batch)) if only is None or first + number in only]
+
+        def look(number: int, scene: Scene, first: int = first) -> None:
+            if watch:
+                watch(first + number, scene)
+
         def ended(episodes: int, first: int = first) -> None:
             if on_step:
                 on_step(first + episodes, len(listed))
 
-        rows += _play(player, task, listed[first : first + together], first, observation, image_size, ended)
+        played = _play(player, task, batch, chosen, observation, image_size, ended, look)
+        rows += [_row(first + number, batch[number], scene, successes) for number, scene, successes in played]
     return rows
 
 
 def _play(
-    player: Player, task: Task, batch: list[Trial], first: int, observation: str, image_size: int,
-    on_ended: Callable[[int], None],
-) -> list[dict]:
+    player: Player, task: Task, batch: list[Trial], chosen: list[int], observation: str, image_size: int,
+    on_ended: Callable[[int], None], watch: Callable[[int, Scene], None],
+) -> list[tuple[int, Scene, int]]:
+    """Play the `chosen` of a batch to their ends: number, scene and successful steps of each."""
     scenes = [Scene(task, observation if player.looks else "keypoints", image_size) for _ in batch]
     seen = [scene.reset(options={"configuration": trial.configuration})[0]
             for scene, trial in zip(scenes, batch, strict=True)]
     windows = [[frame, frame] for frame in seen]
-    successes, running = [0] * len(batch), list(range(len(batch)))
+    successes, running = [0] * len(batch), chosen
     player.start(scenes)
+    for number in running:
+        watch(number, scenes[number])
     while running:
         observations = np.stack([np.stack(windows[number]) for number in running]) if player.looks else None
         for number, actions in zip(running, player.act(running, scenes, observations), strict=True):
-            successes[number] += _execute(scenes[number], actions, successes[number], windows[number], player.looks)
+            look = functools.partial(watch, number)
+            successes[number] += _execute(scenes[number], actions, successes[number], windows[number], player.looks,
+                                          look)
         running = [n for n in running if scenes[n].steps < EPISODE_STEPS and successes[n] < SUCCESS_STEPS]
-        on_ended(len(batch) - len(running))
-    return [_row(first + number, trial, scenes[number], successes[number]) for number, trial in enumerate(batch)]
+        on_ended(len(chosen) - len(running))
+    return [(number, scenes[number], successes[number]) for number in chosen]
 
 
-def _execute(scene: Scene, actions: np.ndarray, successes: int, window: list[np.ndarray], looks: bool) -> int:
+def _execute(scene: Scene, actions: np.ndarray, successes: int, window: list[np.ndarray], looks: bool,
+             watch: Callable[[Scene], None]) -> int:
     """Execute one decision; keep the last two observations in `window`; return how many steps succeeded."""
     gained = 0
     for index, action in enumerate(actions):
@@ -253,6 +278,7 @@ def _execute(scene: Scene, actions: np.ndarray, successes: int, window: list[np.
             break
         scene.advance(action)
         gained += scene.success
+        watch(scene)
         if looks and index >= len(actions) - 2:
             window[:] = [window[1], scene.observe()]
     return gained

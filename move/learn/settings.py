@@ -40,6 +40,7 @@ class Training(BaseModel):
     inference_steps: PositiveInt = Field(10, description="DDIM steps that make an action")
     gradient_steps: PositiveInt = Field(description="optimiser steps")
     batch_size: PositiveInt = Field(128, description="windows in a gradient step")
+    noise_draws: PositiveInt = Field(1, description="noise levels tried on each window in a gradient step")
     learning_rate: PositiveFloat = Field(1e-4, description="of AdamW, after the warm-up")
     beta1: float = Field(0.95, gt=0, lt=1, description="of AdamW, decay of the mean gradient")
     beta2: float = Field(0.999, gt=0, lt=1, description="of AdamW, decay of the mean squared gradient")
@@ -48,9 +49,11 @@ class Training(BaseModel):
     ema_power: PositiveFloat = Field(0.75, description="decay of the averaged weights is 1 - (1 + step)^-power ...")
     ema_decay: float = Field(0.9999, ge=0, lt=1, description="... but never above this")
     crop_pixels: PositiveInt | None = Field(None, description="side of the crop, random in training, pixels; or none")
+    stack_frames: bool = Field(False, description="whether small_cnn sees a window's frames as one many-channel image")
     cnn_width: PositiveInt = Field(32, description="channels of small_cnn")
     cnn_blocks: NonNegativeInt = Field(2, description="residual blocks of small_cnn")
     cnn_points: PositiveInt = Field(32, description="points that the spatial softmax locates")
+    softmax_gain: PositiveFloat = Field(1.0, description="on the first weights of small_cnn's spatial softmax")
     mlp_width: PositiveInt = Field(256, description="features of the MLP denoiser")
     mlp_depth: PositiveInt = Field(3, description="residual blocks of the MLP denoiser")
     unet_widths: Widths = Field((512, 1024, 2048), description="channels of the U-Net denoiser, finest level first")
@@ -66,6 +69,8 @@ class Training(BaseModel):
              f"warmup_steps {self.warmup_steps} exceeds gradient_steps {self.gradient_steps}"),
             (self.encoder != "keypoints" or self.crop_pixels is None,
              f"crop_pixels {self.crop_pixels} with keypoints; only images are cropped"),
+            (self.encoder == "small_cnn" or not self.stack_frames,
+             f"stack_frames with encoder {self.encoder!r}; only small_cnn takes several frames at once"),
         ]
         broken = [reason for holds, reason in rules if not holds]
         if broken:

@@ -25,6 +25,7 @@ from move.learn.settings import Training
 from move.sim.demonstrations import Demonstrations
 
 CURVE_POINTS = 50
+CHECKPOINT_SECONDS = 180.0
 M_TRIM_THRESHOLD, M_MMAP_MAX = -1, -4  # of glibc's malloc.h
 OnStep = Callable[[int, int, float], None]
 
@@ -85,6 +86,11 @@ def precision_used(wanted: str, device: str = "cpu") -> str:
     return "bfloat16" if wanted == "bfloat16" and native else "float32"
 
 
+def best_device() -> str:
+    """"cuda" where torch finds a GPU, else "cpu"."""
+    return "cuda" if torch.cuda.is_available() else "cpu"
+
+
 def keep_freed_memory() -> None:
     """Ask glibc to hold on to what tensors free: else each step fetches it anew, a quarter of the time with images."""
     try:
@@ -135,6 +141,9 @@ class Trainer:
         self.policy, self.averaged = self._new_policy(demonstrations), self._new_policy(demonstrations)
         self.weights, self.averaged_weights = list(self.policy.parameters()), list(self.averaged.parameters())
         self.averaged.eval().requires_grad_(False)
+        if device != "cpu":
+            self.policy.encoder.compile()
+            self.policy.denoiser.compile()
         self.losses = torch.zeros(training.gradient_steps)
         self.adam = torch.optim.AdamW(
             self.weights, lr=0.0, betas=(training.beta1, training.beta2), weight_decay=training.weight_decay, fused=True
@@ -220,15 +229,15 @@ def train(
     training: Training,
     seed: int,
     checkpoint: Path | None = None,
-    checkpoint_every: int = 500,
+    checkpoint_every: int | None = None,
     on_step: OnStep | None = None,
     device: str = "cpu",
 ) -> tuple[DiffusionPolicy, TrainingReport]:
     """Train a policy; return it with averaged weights, and what training did.
 
-    checkpoint: a folder, written every `checkpoint_every` gradient steps and at the end. If it holds this run,
-    training goes on from there; if that is finished, it is returned. on_step(steps done, steps in all, loss) is
-    called after each step. Raises BadInput if the folder holds another run or a damaged one, or if the
+    checkpoint: a folder, written every `checkpoint_every` gradient steps, or every three minutes, and at the end. If
+    it holds this run, training goes on from there; if that is finished, it is returned. on_step(steps done, steps in
+    all, loss) is called after each step. Raises BadInput if the folder holds another run or a damaged one, or if the
     observations do not suit the settings.
     """
     keep_freed_memory()
@@ -237,11 +246,17 @@ def train(
     if saved:
         trainer.resume(saved)
     started = time.perf_counter() - trainer.seconds
+    saved_at = trainer.seconds
     while trainer.step < training.gradient_steps:
         loss = trainer.take_step()
         trainer.seconds = time.perf_counter() - started
-        if checkpoint and (trainer.step % checkpoint_every == 0 or trainer.step == training.gradient_steps):
+        if checkpoint_every:
+            due = trainer.step % checkpoint_every == 0
+        else:
+            due = trainer.seconds - saved_at > CHECKPOINT_SECONDS
+        if checkpoint and (due or trainer.step == training.gradient_steps):
             checkpoints.write(trainer.checkpoint(), Path(checkpoint))
+            saved_at = trainer.seconds
         if on_step:
             on_step(trainer.step, training.gradient_steps, loss)
     return trainer.averaged, trainer.report()

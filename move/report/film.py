@@ -7,8 +7,13 @@ from pathlib import Path
 import imageio.v3 as imageio
 import numpy as np
 
+from move.learn.diffusion import DiffusionPolicy
+from move.learn.evaluate import PolicyPlayer, evaluate
 from move.sim.collect import Collection, attempts
 from move.sim.moving import Motions
+from move.sim.tasks import get_task
+from move.study.results import Result
+from move.study.spec import RunSpec
 
 FRAMES_PER_SECOND = 25  # two timesteps of three are shown at real speed
 
@@ -20,6 +25,26 @@ def demonstration_frames(collection: Collection, seed: int) -> np.ndarray:
         BadInput: pictures cannot be drawn on this machine.
     """
     return np.stack(next(episode.observations for episode in attempts(collection, seed) if episode.succeeded))
+
+
+def episode_frames(policy: DiffusionPolicy, spec: RunSpec, number: int, image_size: int) -> tuple[dict, np.ndarray]:
+    """Play one evaluation episode of a run again: its row, and every timestep as (steps, size, size, 3) uint8.
+
+    Raises:
+        BadInput: pictures cannot be drawn on this machine.
+    """
+    frames: list[np.ndarray] = []
+    (row,) = evaluate(
+        PolicyPlayer(policy, spec.seed), get_task(spec.task), spec.evaluation, spec.observation,
+        spec.collection.image_size, only={number}, watch=lambda _, scene: frames.append(scene.draw(image_size)),
+    )
+    return row, np.stack(frames)
+
+
+def one_of_each(result: Result, rng: np.random.Generator) -> dict[bool, int]:
+    """The numbers of one successful and one failed evaluation episode, drawn at random; one may not exist."""
+    ended = {outcome: [row["trial"] for row in result.rows if row["success"] == outcome] for outcome in (True, False)}
+    return {outcome: int(rng.choice(numbers)) for outcome, numbers in ended.items() if numbers}
 
 
 def demonstration(task: str, method: str, image_size: int = 192, motions: Motions | None = None) -> Collection:

@@ -6,9 +6,10 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
-from matplotlib.patches import Rectangle
+from matplotlib.patches import Circle, Rectangle
 
 from move.report.style import COLOURS, NAMES
+from move.sim.configuration import Disc
 from move.sim.tasks import TASKS
 
 
@@ -27,6 +28,21 @@ def heatmap(episodes: pd.DataFrame, ax: Axes) -> QuadMesh:
                edgecolor="white", linewidth=1.0, zorder=3)
     ax.set(xlabel="object x (cm)", ylabel="object y (cm)", aspect="equal")
     return mesh
+
+
+def grasps(points: pd.DataFrame, ax: Axes) -> None:
+    """Where the demonstrations grasped, as small dots.
+
+    Args:
+        points: object_x, object_y (metres).
+    """
+    ax.scatter(points.object_x * 100, points.object_y * 100, s=2.5, color="white", edgecolor="black", lw=0.3, zorder=3)
+
+
+def circle(disc: Disc, ax: Axes) -> None:
+    """The outline of a disc given in metres, on axes in centimetres."""
+    ax.add_patch(Circle((disc.centre[0] * 100, disc.centre[1] * 100), disc.radius * 100, fill=False, color="white",
+                        ls="--", lw=1.0))
 
 
 def _edges(centres: np.ndarray) -> np.ndarray:
@@ -49,6 +65,46 @@ def rates(table: pd.DataFrame, ax: Axes) -> None:
         ax.plot([place - 0.4, place + 0.4], [row.paper, row.paper], color="black", ls=":", lw=1.4)
     ax.set_xticks(range(len(table)), [NAMES[name] for name in table.method])
     ax.set(ylabel="success rate", ylim=(0, 1), xlim=(-0.6, len(table) - 0.4))
+
+
+def grouped_rates(table: pd.DataFrame, by: str, labels: list[str], ax: Axes) -> None:
+    """Success rates of the methods side by side for each value of `by`, with intervals and the paper's values.
+
+    Args:
+        table: `by`, method, value, low, high, paper (NaN where it gives none); a method may be missing somewhere.
+        labels: what to call the values of `by`, in their order.
+    """
+    groups, methods = list(table[by].unique()), [name for name in COLOURS if name in set(table.method)]
+    width = 0.8 / len(methods)
+    for row in table.itertuples():
+        place = groups.index(getattr(row, by)) + (methods.index(row.method) - (len(methods) - 1) / 2) * width
+        first = getattr(row, by) == groups[0]
+        ax.bar(place, row.value, width=0.9 * width, color=COLOURS[row.method], alpha=0.85,
+               label=NAMES[row.method] if first else None)
+        ax.errorbar(place, row.value, [[row.value - row.low], [row.high - row.value]], color="black", capsize=1.5,
+                    lw=0.8)
+        ax.plot([place - width / 2, place + width / 2], [row.paper, row.paper], color="black", ls=":", lw=1.3)
+    ax.set_xticks(range(len(groups)), labels)
+    ax.set(ylabel="success rate", ylim=(0, 1.02))
+
+
+def gaps(table: pd.DataFrame, by: str, labels: list[str], ax: Axes) -> None:
+    """Differences MOVE minus another method with intervals, one row a value of `by`, 0 marked.
+
+    Args:
+        table: as `move.report.tables.gap_table` gives it.
+    """
+    values, others = list(table[by].unique()), list(table.than.unique())
+    for place, other in enumerate(others):
+        shift = (place - (len(others) - 1) / 2) * 0.3
+        rows = table[table.than == other]
+        places = np.array([values.index(value) for value in rows[by]]) + shift
+        ax.errorbar(rows.gap, places, xerr=[rows.gap - rows.low, rows.high - rows.gap], fmt="o", ms=3.5, lw=1,
+                    capsize=1.5, color=COLOURS[other], label=f"MOVE - {NAMES[other]}")
+    ax.axvline(0, color="black", lw=0.8)
+    ax.set_yticks(range(len(values)), labels)
+    ax.set_ylim(len(values) - 0.5, -0.5)
+    ax.set_xlabel("difference of success rates")
 
 
 def scaling(table: pd.DataFrame, ax: Axes) -> None:
@@ -79,7 +135,7 @@ def task_rates(table: pd.DataFrame, controls: pd.DataFrame, ax: Axes) -> None:
     """One group a task: each method's rate with its interval, between the task's floor and ceiling.
 
     Args:
-        table: task, method, value, low, high.
+        table: task, method, value, low, high; and, where the paper gives any, paper: drawn as crosses.
         controls: one row a task; columns "expert" (ceiling) and, where it exists, "goal-blind" (floor).
     """
     tasks, methods = list(table.task.unique()), list(table.method.unique())
@@ -88,6 +144,8 @@ def task_rates(table: pd.DataFrame, controls: pd.DataFrame, ax: Axes) -> None:
         errors = [rows.value - rows.low, rows.high - rows.value]
         ax.errorbar(np.arange(len(tasks)) + shift, rows.value, errors, fmt="o", ms=3.5, lw=1, capsize=1.5,
                     color=COLOURS[method], label=NAMES[method])
+        if "paper" in table:
+            ax.plot(np.arange(len(tasks)) + shift, rows.paper, "x", color="black", ms=3.5, mew=0.8, zorder=4)
     for name, style in (("expert", "-"), ("goal-blind", "--")):
         if name in controls:
             ax.hlines(controls[name].reindex(tasks), np.arange(len(tasks)) - 0.4, np.arange(len(tasks)) + 0.4,

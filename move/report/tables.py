@@ -7,12 +7,13 @@ import pandas as pd
 
 from move.report.style import NAMES
 from move.sim.collect import METHODS
+from move.sim.configuration import Disc
 from move.sim.task import kept_share
 from move.sim.tasks import TASKS
 from move.study import paper
 from move.study.profiles import load_profile
 from move.study.results import Result
-from move.study.statistics import success_rate
+from move.study.statistics import difference, mean_difference, success_rate
 
 
 def successes(episodes: pd.DataFrame) -> np.ndarray:
@@ -32,7 +33,82 @@ def rate_table(episodes: pd.DataFrame, by: list[str]) -> pd.DataFrame:
         rate = success_rate(per_seed)
         rows.append({**dict(zip(by, key, strict=True)), "value": rate.value, "low": rate.low, "high": rate.high,
                      "seeds": per_seed.mean(axis=1).round(4).tolist(), "episodes": rate.episodes})
-    return pd.DataFrame(rows)
+    return pd.DataFrame(rows, columns=[*by, "value", "low", "high", "seeds", "episodes"])
+
+
+def gap_table(episodes: pd.DataFrame, by: str, others: tuple[str, ...] = ("static", "adc")) -> pd.DataFrame:
+    """MOVE minus each other method with a paired 95 % interval, one row a value of `by` and method; then the means.
+
+    Args:
+        episodes: rows as `move.study.results.table` gives them, with the column `by`, policies only.
+    """
+    rng, rows, pairs = np.random.default_rng(0), [], {other: [] for other in others}
+    for value, group in episodes.groupby(by, sort=False):
+        per_method = {method: successes(part) for method, part in group.groupby("method")}
+        for other in others:
+            if "move" in per_method and other in per_method:
+                pairs[other].append((per_method["move"], per_method[other]))
+                rows.append({by: value, "than": other, **_gap(difference(*pairs[other][-1], rng))})
+    if episodes[by].nunique() > 1:
+        rows += [{by: f"mean of {len(pairs[other])}", "than": other, **_gap(mean_difference(pairs[other], rng))}
+                 for other in others if pairs[other]]
+    return pd.DataFrame(rows, columns=[by, "than", "gap", "low", "high"])
+
+
+def _gap(values: tuple[float, float, float]) -> dict[str, float]:
+    return dict(zip(("gap", "low", "high"), values, strict=True))
+
+
+def spoken_gap(row: pd.Series) -> str:
+    """A row of `gap_table` in words, with its interval: "+12 points [+3, +21], above 0"."""
+    verdict = "above 0" if row.low > 0 else "below 0" if row.high < 0 else "not distinguishable from 0"
+    return f"{100 * row.gap:+.0f} points [{100 * row.low:+.0f}, {100 * row.high:+.0f}], {verdict}"
+
+
+def spoken_gaps(table: pd.DataFrame, by: str) -> str:
+    """A whole `gap_table` in words: on how many items MOVE is above each other method, and by how much on the mean."""
+    sentences = []
+    for other, rows in table.groupby("than", sort=False):
+        is_mean = rows[by].str.startswith("mean of")
+        each, mean = rows[~is_mean], rows[is_mean]
+        above, below = (each.low > 0).sum(), (each.high < 0).sum()
+        sentences.append(
+            f"MOVE is above {NAMES[other]} on {above} of {len(each)}, below it on {below}, and not distinguishable on "
+            f"{len(each) - above - below}" + (f"; on the mean {spoken_gap(mean.iloc[0])}" if len(mean) else "") + "."
+        )
+    return " ".join(sentences) or "nothing is stored yet."
+
+
+def inside_and_outside(episodes: pd.DataFrame, disc: Disc) -> pd.DataFrame:
+    """The grid's episodes with a column `where`: "inside" or "outside" of `disc`, by the object's place."""
+    grid = episodes[episodes.group == "grid"]
+    inside = [disc.contains(place) for place in zip(grid.object_x, grid.object_y, strict=True)]
+    return grid.assign(where=np.where(inside, "inside", "outside")).sort_values("where", kind="stable")
+
+
+def grasp_points(results: list[Result]) -> pd.DataFrame:
+    """Where each demonstration of each run grasped the object: method, seed, object_x, object_y (metres)."""
+    return pd.DataFrame([
+        {"method": result.spec.method, "seed": result.spec.seed, "object_x": x, "object_y": y}
+        for result in results if result.collection
+        for x, y in result.collection["grasp_points"]
+    ])
+
+
+def run_costs(results: list[Result]) -> pd.DataFrame:
+    """Core-minutes of the runs' parts: one row a method and budget, the median run, and how many runs there are.
+
+    Args:
+        results: of runs that train a policy.
+    """
+    rows = pd.DataFrame([
+        {"method": result.spec.method, "timesteps": result.spec.collection.timesteps,
+         **{part: seconds / 60 for part, seconds in result.seconds.items()},
+         "whole": sum(result.seconds.values()) / 60}
+        for result in results if result.spec.training
+    ])
+    groups = rows.groupby(["timesteps", "method"], sort=False)
+    return groups.median().round(1).assign(runs=groups.size(), all_runs=groups.whole.sum().round(0)).reset_index()
 
 
 def with_paper(table: pd.DataFrame, values: dict[str, float]) -> pd.DataFrame:

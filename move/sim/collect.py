@@ -17,14 +17,14 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, field_validator
 
 from move.errors import BadInput
-from move.sim.configuration import Vector
+from move.sim.configuration import SpatialConfiguration, Vector
 from move.sim.demonstrations import Demonstrations
 from move.sim.experts import Expert, make_expert
 from move.sim.jumping import Jumps
 from move.sim.moving import Motions, with_motions
 from move.sim.protocols import grasp_point, motion_region
 from move.sim.scene import EPISODE_STEPS, SUCCESS_STEPS, Scene
-from move.sim.tasks import FACTORS, TASKS, get_task
+from move.sim.tasks import FACTORS, TASKS, Task, get_task
 
 METHODS = ("static", "adc", "move")
 STREAM = 1  # first word of every collection seed: no other part of the package draws from it
@@ -131,16 +131,32 @@ def attempts(collection: Collection, seed: int, env: gymnasium.Env | None = None
     expert = make_expert(collection.expert, task)
     attempt = kept = 0
     while True:
-        this_seed, options = attempt_seed(seed, attempt), {"factors": collection.factors}
         point = grasp_point(collection.protocol, task, kept, seed)
-        if point is not None:
-            options = {"configuration": replace(task.fixed, object_position=point)}
-        episode = demonstrate(env, expert, this_seed, options)
+        options = _start(collection, task, point)
+        episode = demonstrate(env, expert, attempt_seed(seed, attempt), options)
         if point is not None and not _grasped_there(episode, point):
             episode = replace(episode, succeeded=False)
         kept += episode.succeeded
         attempt += 1
         yield episode
+
+
+def _start(collection: Collection, task: Task, point: Vector | None) -> dict:
+    """The reset options of an attempt that has to grasp at `point`, or that starts anywhere."""
+    if point is None:
+        return {"factors": collection.factors}
+    return {"configuration": replace(task.fixed, object_position=point)}
+
+
+def first_configurations(collection: Collection, seed: int, count: int) -> list[SpatialConfiguration]:
+    """What the first `count` attempts of a collection begin with; for static collection also what they end with."""
+    task, found = get_task(collection.task), []
+    scene = Scene(task, "keypoints")
+    for attempt in range(count):
+        point = grasp_point(collection.protocol, task, attempt, seed)
+        scene.reset(seed=attempt_seed(seed, attempt), options=_start(collection, task, point))
+        found.append(scene.configuration)
+    return found
 
 
 def _grasped_there(episode: Episode, point: Vector) -> bool:

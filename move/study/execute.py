@@ -15,7 +15,9 @@ from collections.abc import Iterator
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
+import torch
 from rich.console import Console
 from rich.progress import (
     BarColumn,
@@ -37,13 +39,19 @@ THREAD_VARIABLES = ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS"
 PART_SHARE = {"collect": (0.0, 0.1), "train": (0.1, 0.75), "evaluate": (0.85, 0.15)}  # start and share of a run's time
 
 
+def default_workers() -> int:
+    """One a core; on a machine with GPUs one a GPU."""
+    return torch.cuda.device_count() or os.cpu_count() or 1
+
+
 @contextmanager
-def process_pool(workers: int | None = None) -> Iterator[Executor]:
-    """A pool of fresh processes, one thread each; as many as there are cores unless told."""
+def process_pool(workers: int) -> Iterator[Executor]:
+    """A pool of fresh processes, one thread each, that take the machine's GPUs in turn."""
     for name in THREAD_VARIABLES:
         os.environ.setdefault(name, "1")
     context = multiprocessing.get_context("spawn")
-    executor = ProcessPoolExecutor(workers or os.cpu_count(), mp_context=context, initializer=_end_with_parent)
+    started = context.Value("i", 0)
+    executor = ProcessPoolExecutor(workers, mp_context=context, initializer=_begin, initargs=(started,))
     try:
         yield executor
     except BaseException:
@@ -54,8 +62,17 @@ def process_pool(workers: int | None = None) -> Iterator[Executor]:
     executor.shutdown()
 
 
+def _begin(started: Any) -> None:
+    """In a worker: take the next GPU, and end with the parent; `started` counts the workers."""
+    with started.get_lock():
+        number, started.value = started.value, started.value + 1
+    if gpus := torch.cuda.device_count():
+        torch.cuda.set_device(number % gpus)
+    _end_with_parent()
+
+
 def _end_with_parent() -> None:
-    """In a worker: end when the process that wants the results is gone, however it went."""
+    """End when the process that wants the results is gone, however it went."""
     parent = os.getppid()
 
     def watch() -> None:
@@ -96,7 +113,7 @@ def execute(
     if missing:
         check_writable(folder)
         todo = list({spec.hash: spec for spec, _ in missing}.values())
-        pool = dask_cluster(cluster) if cluster else process_pool(min(len(todo), workers or os.cpu_count() or 1))
+        pool = dask_cluster(cluster) if cluster else process_pool(min(len(todo), workers or default_workers()))
         with pool as executor:
             failed = _run_all(executor, todo, folder, quiet)
         there, missing = split(specs, folder)

@@ -17,7 +17,7 @@ from move.errors import BadInput
 from move.learn.evaluate import Evaluation
 from move.sim.collect import METHODS, Collection
 from move.sim.experts import EXPERTS
-from move.sim.tasks import TASKS, get_task
+from move.sim.tasks import FACTORS, TASKS, get_task
 from move.study.profiles import first_problem, load_profile
 from move.study.spec import RunSpec
 
@@ -37,6 +37,7 @@ def checked(experiment: Callable[..., list[RunSpec]]) -> Callable[..., list[RunS
 
 
 Count = Annotated[int, Field(gt=0, strict=True)]
+Seeds = Annotated[int, Field(ge=0, strict=True)]
 Observation = Literal["rgb", "keypoints"]
 
 
@@ -46,17 +47,99 @@ def fig1_sparse(
     grid_side: Count = 12,
 ) -> list[RunSpec]:
     """Nine grasp points, static against MOVE, equal timesteps; a grid over the 30 x 30 cm object space (figure 1)."""
+    return _grasp_points("sparse", profile, observation, timesteps, seeds, grid_side)
+
+
+@checked
+def fig3_dense(
+    profile: str = "laptop", observation: Observation = "rgb", timesteps: Count = 7000, seeds: Count = 3,
+    grid_side: Count = 12,
+) -> list[RunSpec]:
+    """Grasp points anywhere, the same for static and MOVE, equal timesteps; a grid over the object space (figure 3)."""
+    return _grasp_points("dense", profile, observation, timesteps, seeds, grid_side)
+
+
+@checked
+def fig5_circle(
+    profile: str = "laptop", observation: Observation = "rgb", timesteps: Count = 7000, seeds: Count = 3,
+    grid_side: Count = 12,
+) -> list[RunSpec]:
+    """Twenty grasp points on a circle, motion inside it; a grid over the object space, in and out (figure 5)."""
+    return _grasp_points("circle", profile, observation, timesteps, seeds, grid_side)
+
+
+def _grasp_points(
+    protocol: str, profile: str, observation: str, timesteps: int, seeds: int, grid_side: int
+) -> list[RunSpec]:
     settings = load_profile(profile)
+    points = "none" if protocol == "dense" else protocol  # dense: every demonstration has a point of its own
     return [
         RunSpec(
-            task="pick-place", seed=seed, training=settings.training[observation],
+            task="pick-place", seed=seed, training=settings.recipe(observation),
             collection=Collection(task="pick-place", method=method, timesteps=timesteps, observation=observation,
-                                  image_size=settings.image_size, factors="object", protocol="sparse"),
-            evaluation=Evaluation(layout="grid", grid_side=grid_side, factors="object", points="sparse"),
+                                  image_size=settings.image_size, factors="object", protocol=protocol),
+            evaluation=Evaluation(layout="grid", grid_side=grid_side, factors="object", points=points),
         )
-        for method in ("static", "move")
         for seed in range(seeds)
+        for method in ("static", "move")
     ]
+
+
+@checked
+def table1_spatial_factors(
+    profile: str = "laptop", observation: Observation = "rgb", timesteps: Count = 20_000, seeds: Count = 3,
+    episodes: Count = 100,
+) -> list[RunSpec]:
+    """Pick-Place as its object, then its target, then camera and hand become random; static and MOVE (table 1)."""
+    return [
+        _policy("pick-place", method, seed, profile, observation, timesteps,
+                Evaluation(episodes=episodes, factors=factors))
+        for seed in range(seeds)
+        for factors in FACTORS
+        for method in ("static", "move")
+    ]
+
+
+@checked
+def table2_main(
+    profile: str = "laptop", seeds: Seeds = 1, control_seeds: Seeds = 1, episodes: Count = 100,
+    most_timesteps: Count = 20_000,
+) -> list[RunSpec]:
+    """Every task, three methods, at the paper's budget but at `most_timesteps` (table 2); its floor and its ceiling.
+
+    `seeds` from pixels and `control_seeds` from keypoints.
+    """
+    evaluation = Evaluation(episodes=episodes)
+    policies = [
+        _policy(name, method, seed, profile, observation, min(task.timesteps, most_timesteps), evaluation)
+        for observation, count in (("rgb", seeds), ("keypoints", control_seeds))
+        for seed in range(count)
+        for name, task in TASKS.items()
+        for method in METHODS
+    ]
+    return policies + [spec for name in TASKS for spec in controls(name, evaluation)]
+
+
+@checked
+def rollouts(
+    profile: str = "laptop", observation: Observation = "rgb", task: str = "pick-place", timesteps: Count = 20_000,
+    episodes: Count = 100,
+) -> list[RunSpec]:
+    """The first seed's policies of table 2 on one task, whose episodes are shown as pictures."""
+    return [_policy(get_task(task).name, method, 0, profile, observation, timesteps, Evaluation(episodes=episodes))
+            for method in METHODS]
+
+
+def _policy(
+    task: str, method: str, seed: int, profile: str, observation: str, timesteps: int, evaluation: Evaluation
+) -> RunSpec:
+    """A policy trained and tried with the same factors random."""
+    settings = load_profile(profile)
+    return RunSpec(
+        task=task, seed=seed, training=settings.recipe(observation), evaluation=evaluation,
+        collection=Collection(task=task, method=method, timesteps=timesteps, observation=observation,
+                              image_size=settings.image_size, factors=evaluation.factors),
+    )
 
 
 @checked
@@ -68,7 +151,7 @@ def keypoint_control(
     evaluation = Evaluation(episodes=episodes)
     policies = [
         RunSpec(
-            task="pick-place", seed=seed, training=settings.training["keypoints"], evaluation=evaluation,
+            task="pick-place", seed=seed, training=settings.recipe("keypoints"), evaluation=evaluation,
             collection=Collection(task="pick-place", method=method, timesteps=budget),
         )
         for budget in timesteps
@@ -100,7 +183,7 @@ def table_keypoint_control(
 
     The tasks that stay near their floor, `larger_tasks`, get a `larger` budget as well, alike for all methods.
     """
-    recipe, evaluation = load_profile(profile).training["keypoints"], Evaluation(episodes=episodes)
+    recipe, evaluation = load_profile(profile).recipe("keypoints"), Evaluation(episodes=episodes)
     policies = [
         RunSpec(task=task, seed=seed, training=recipe, evaluation=evaluation,
                 collection=Collection(task=get_task(task).name, method=method, timesteps=budget))
@@ -120,6 +203,11 @@ def controls(task: str, evaluation: Evaluation) -> list[RunSpec]:
 
 EXPERIMENTS: dict[str, Callable[..., list[RunSpec]]] = {
     "fig1_sparse": fig1_sparse,
+    "fig3_dense": fig3_dense,
+    "fig5_circle": fig5_circle,
+    "table1_spatial_factors": table1_spatial_factors,
+    "table2_main": table2_main,
+    "rollouts": rollouts,
     "keypoint_control": keypoint_control,
     "table6_collection": table6_collection,
     "table_keypoint_control": table_keypoint_control,

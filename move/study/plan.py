@@ -1,22 +1,36 @@
-"""What is missing, why, and how long it would take: measured where results exist, else the profile's estimate."""
+"""What is missing, why, and how long it would take: from stored runs, the profile's estimate, or a measured step."""
 
 from __future__ import annotations
 
+import time
 from collections import Counter
 from statistics import median
 from typing import Any
 
+import numpy as np
+import torch
+
+from move.learn.settings import Training
+from move.learn.train import Trainer, best_device
 from move.paths import results
-from move.study.profiles import load_profile
+from move.sim.demonstrations import Demonstrations
+from move.sim.scene import Scene
+from move.study.profiles import Profile, load_profile
+from move.study.provenance import accelerator, processor
 from move.study.results import Result, split
 from move.study.spec import RunSpec
 
 CONTROL_MINUTES = 0.05
+MEASURED_STEPS = 3
 
 
 def plan_rows(profile: str, figures: dict[str, list[RunSpec]]) -> list[dict[str, Any]]:
-    """One row a figure: how many runs, how many stored, why the others are missing, and their core-minutes."""
-    estimates, rows = load_profile(profile).minutes, []
+    """One row a figure: how many runs, how many stored, why the others are missing, and the hours they would take.
+
+    A profile without an estimate of its own has a gradient step measured here, which is slow without a GPU.
+    """
+    settings, rows = load_profile(profile), []
+    minutes = dict(settings.minutes)
     for figure, specs in figures.items():
         there, missing = split(specs, results(profile))
         reasons = Counter(why if why == "not computed yet" else "unusable result" for _, why in missing)
@@ -25,20 +39,54 @@ def plan_rows(profile: str, figures: dict[str, list[RunSpec]]) -> list[dict[str,
             "runs": len(specs),
             "stored": len(there),
             "missing": len(missing),
-            "core_minutes_left": _total([_minutes(spec, there, estimates) for spec, _ in missing]),
+            "hours_left": round(sum(_minutes(spec, there, minutes, settings) for spec, _ in missing) / 60, 2),
             "why": "; ".join(f"{count} {why}" for why, count in reasons.items()) or "complete",
         })
     return rows
 
 
-def _total(minutes: list[float | None]) -> float | str:
-    return "unknown" if None in minutes else round(sum(minutes), 1)
+def plan_title(profile: str) -> str:
+    """One line on what the hours of `plan_rows` are hours of."""
+    if load_profile(profile).minutes:
+        return f"Profile {profile}: what `move run` would do (core-hours)"
+    on_gpu = best_device() == "cuda"
+    unit = f"GPU-hours of one {accelerator()}" if on_gpu else f"CORE-hours of {processor()}: no GPU here"
+    return f"Profile {profile}: what `move run` would do ({unit}; gradient steps alone, from a step measured now)"
 
 
-def _minutes(spec: RunSpec, there: list[Result], estimates: dict[str, float]) -> float | None:
-    """Core-minutes of one run: the median of stored runs like it, or the profile's estimate, or None."""
+def _minutes(spec: RunSpec, there: list[Result], minutes: dict[str, float], settings: Profile) -> float:
+    """Minutes of one run: the median of stored runs like it, or the profile's estimate, or from a measured step."""
     alike = [sum(result.seconds.values()) / 60 for result in there
              if result.spec.observation == spec.observation and result.spec.task == spec.task]
     if alike:
         return median(alike)
-    return CONTROL_MINUTES if spec.collection is None else estimates.get(spec.observation)
+    if spec.training is None:
+        return CONTROL_MINUTES
+    if spec.observation not in minutes:
+        seconds = step_seconds(spec.training, _example(spec, settings.image_size))
+        minutes[spec.observation] = seconds * spec.training.gradient_steps / 60
+    return minutes[spec.observation]
+
+
+def _example(spec: RunSpec, image_size: int) -> Demonstrations:
+    """As many timesteps as a batch has windows, of the right shapes and no meaning."""
+    scene, rng = Scene(spec.task, "keypoints"), np.random.default_rng(0)
+    steps = spec.training.batch_size
+    observations = (rng.integers(256, size=(steps, image_size, image_size, 3), dtype=np.uint8)
+                    if spec.observation == "rgb"
+                    else rng.normal(size=(steps, *scene.observation_space.shape)).astype(np.float32))
+    actions = rng.uniform(-1, 1, (steps, scene.task.action_size)).astype(np.float32)
+    return Demonstrations(observations, actions, np.array([steps]))
+
+
+def step_seconds(training: Training, demonstrations: Demonstrations) -> float:
+    """Seconds of one gradient step on the best device here, after one that is not counted."""
+    device = best_device()
+    trainer = Trainer(demonstrations, training, 0, device)
+    trainer.take_step()
+    started = time.perf_counter()
+    for _ in range(MEASURED_STEPS):
+        trainer.take_step()
+    if device == "cuda":
+        torch.cuda.synchronize()
+    return (time.perf_counter() - started) / MEASURED_STEPS

@@ -30,6 +30,16 @@ class Profile(BaseModel):
         changed = self.notebooks.get(notebook, {})
         return {**changed, **self.without_gl.get(notebook, {})} if gl_problem() else changed
 
+    def recipe(self, observation: str) -> Training:
+        """How policies that see `observation` are built and trained.
+
+        Raises:
+            BadInput: the profile has no such recipe.
+        """
+        if observation not in self.training:
+            raise BadInput(f"observation: {observation!r} given; this profile has {', '.join(self.training)}")
+        return self.training[observation]
+
 
 def names() -> list[str]:
     """The profiles that exist."""

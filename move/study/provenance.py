@@ -10,6 +10,8 @@ import sys
 from functools import cache
 from importlib.metadata import version
 
+import torch
+
 from move.paths import ROOT
 from move.sim.observe import gl_renderer
 
@@ -38,6 +40,11 @@ def processor() -> str:
         return platform.processor() or platform.machine()
 
 
+def accelerator() -> str:
+    """The name of the GPU that training uses, or "none"."""
+    return torch.cuda.get_device_name() if torch.cuda.is_available() else "none"
+
+
 def peak_memory_mb() -> float:
     """The largest resident size of this process so far, in megabytes."""
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
@@ -51,6 +58,7 @@ def provenance(draws: bool) -> dict:
         "python": platform.python_version(),
         "processor": processor(),
         "cores": os.cpu_count(),
+        "accelerator": accelerator(),
         "gl_renderer": gl_renderer() if draws else "none",
         "commit": commit(),
         "peak_memory_mb": round(peak_memory_mb()),

@@ -128,6 +128,7 @@ def table(results: list[Result]) -> pd.DataFrame:
             method=result.spec.method,
             observation=result.spec.observation,
             timesteps=result.spec.collection.timesteps if result.spec.collection else 0,
+            factors=result.spec.evaluation.factors,
             seed=result.spec.seed,
         )
         for result in results

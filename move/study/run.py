@@ -15,9 +15,9 @@ import torch
 from move.errors import BadInput
 from move.learn.diffusion import DiffusionPolicy
 from move.learn.evaluate import CONTROLS, Player, PolicyPlayer, evaluate
-from move.learn.train import TrainingReport, train
+from move.learn.train import TrainingReport, best_device, train
 from move.paths import RUNS
-from move.sim.collect import attempts, collect
+from move.sim.collect import attempts, collect, first_configurations
 from move.sim.tasks import get_task
 from move.study.provenance import provenance
 from move.study.results import Result, store
@@ -32,8 +32,8 @@ def run(
 ) -> Result:
     """Compute `spec` on one thread and store its result in `folder`; an interrupted training goes on.
 
-    Checkpoints go to `scratch`, by default build/runs/. Demonstrations are not kept: the spec and the seed make the
-    same ones again.
+    Policies train and act on the GPU where there is one. Checkpoints go to `scratch`, by default build/runs/.
+    Demonstrations are not kept: the spec and the seed make the same ones again.
     """
     torch.set_num_threads(1)
     report = on_progress or (lambda part, done, total: None)
@@ -62,8 +62,10 @@ def _count_attempts(spec: RunSpec, report: OnProgress, seconds: dict[str, float]
 
 def _evaluate(spec: RunSpec, player: Player, report: OnProgress, seconds: dict[str, float]) -> list[dict]:
     started = time.perf_counter()
+    learnt_from = spec.evaluation.layout == "own"
     rows = evaluate(
         player, get_task(spec.task), spec.evaluation,
+        own=first_configurations(spec.collection, spec.seed, spec.evaluation.episodes) if learnt_from else (),
         observation=spec.collection.observation if spec.collection else "keypoints",
         image_size=spec.collection.image_size if spec.collection else 96,
         on_step=lambda done, total: report("evaluate", done, total),
@@ -84,7 +86,7 @@ def _player(
     checkpoint = scratch / spec.hash / "policy"
 
     def go_on() -> tuple[DiffusionPolicy, TrainingReport]:
-        return train(demonstrations, spec.training, spec.seed, checkpoint=checkpoint,
+        return train(demonstrations, spec.training, spec.seed, checkpoint=checkpoint, device=best_device(),
                      on_step=lambda done, total, loss: report("train", done, total))
 
     try:

@@ -1,0 +1,82 @@
+"""The paper's own scale: its recipe, and one run of each kind from end to end on a CPU with three gradient steps."""
+
+import gc
+
+import pytest
+import torch
+
+from move.learn import evaluate
+from move.learn.checkpoint import load_policy
+from move.learn.evaluate import Evaluation
+from move.sim.observe import gl_problem
+from move.study import experiments, plan, results, run
+from move.study.profiles import load_profile
+from move.study.spec import RunSpec
+
+
+def kinds() -> dict[str, RunSpec]:
+    """One run of each kind: what is seen, where it grasps; the methods in turn."""
+    found: dict[tuple, list[RunSpec]] = {}
+    for figure in experiments.EXPERIMENTS:
+        for spec in experiments.specs(figure, "paper"):
+            protocol = spec.collection.protocol if spec.collection else "none"
+            found.setdefault((spec.player, spec.observation, protocol), []).append(spec)
+    chosen = [specs[index % len(specs)] for index, specs in enumerate(found.values())]
+    return {"-".join((spec.player, spec.observation, spec.method)): spec for spec in chosen}
+
+
+def cut(spec: RunSpec) -> RunSpec:
+    """The same run with three gradient steps, few timesteps and one evaluation episode."""
+    changes = {"evaluation": Evaluation(episodes=1, factors=spec.evaluation.factors)}
+    if spec.collection:
+        changes["collection"] = spec.collection.model_copy(update={"timesteps": 40})
+    if spec.training:
+        changes["training"] = spec.training.model_copy(update={"gradient_steps": 3, "warmup_steps": 1})
+    return spec.model_copy(update=changes)
+
+
+def test_the_kinds_cover_every_player_and_protocol():
+    specs = kinds().values()
+    assert {spec.player for spec in specs} == {"policy", "collector", "nothing", "random", "expert", "goal-blind"}
+    protocols = {spec.collection.protocol for spec in specs if spec.observation == "rgb"}
+    assert protocols == {"sparse", "dense", "circle", "random"}
+
+
+@pytest.mark.parametrize("name", kinds())
+def test_a_run_of_each_kind_passes_from_end_to_end(name, tmp_path, monkeypatch):
+    monkeypatch.setattr(evaluate, "EPISODE_STEPS", 6)
+    spec = cut(kinds()[name])
+    if spec.observation == "rgb" and gl_problem():
+        pytest.skip(gl_problem())
+    result = run.run(spec, tmp_path / "results", scratch=tmp_path / "runs")
+    assert results.load(spec, tmp_path / "results").rows == result.rows and len(result.rows) == 1
+    if spec.training:
+        curve = result.training["curve"]
+        assert [step for step, _ in curve] == [1, 2, 3] and all(loss > 0 for _, loss in curve)
+        policy = load_policy(tmp_path / "runs" / spec.hash / "policy")
+        assert policy.training_settings == spec.training and result.training["parameters"] > 10_000_000
+    gc.collect()
+
+
+def test_the_recipe_is_the_papers():
+    recipe = load_profile("paper").training["rgb"]
+    expected = {"encoder": "resnet18", "denoiser": "unet", "batch_size": 128, "gradient_steps": 220_000,
+                "learning_rate": 1e-4, "crop_pixels": 80, "prediction_horizon": 4, "action_horizon": 3,
+                "observation_horizon": 2, "diffusion_steps": 100, "inference_steps": 10, "noise_draws": 1,
+                "stack_frames": False, "unet_widths": (512, 1024, 2048)}
+    assert {name: getattr(recipe, name) for name in expected} == expected
+    assert load_profile("paper").image_size == 128
+
+
+def test_the_plan_turns_a_measured_step_into_hours(monkeypatch):
+    monkeypatch.setattr(plan, "step_seconds", lambda training, demonstrations: 0.5)
+    specs = [spec for spec in experiments.specs("fig1_sparse", "paper")]
+    (row,) = plan.plan_rows("paper", {"fig1_sparse": specs})
+    assert row["missing"] == 6 and row["hours_left"] == pytest.approx(6 * 220_000 * 0.5 / 3600, abs=0.01)
+    assert ("GPU-hours" if torch.cuda.is_available() else "no GPU here") in plan.plan_title("paper")
+
+
+def test_a_step_is_measured_by_making_it():
+    training = load_profile("laptop").training["keypoints"]
+    (spec, *_) = experiments.specs("keypoint_control", "laptop")
+    assert 1e-4 < plan.step_seconds(training, plan._example(spec, 96)) < 5
