@@ -6,6 +6,7 @@ Bad input ends with one line on standard error and exit code 2; a run that faile
 from __future__ import annotations
 
 import json
+import os
 import sys
 from pathlib import Path
 from typing import Annotated, Any, Optional
@@ -129,7 +130,8 @@ def train(
     from move.study.profiles import load_profile
 
     demonstrations, _ = dataset.load(data, clip_actions)
-    recipe = load_profile(profile).training["rgb" if demonstrations.has_images else "keypoints"].model_dump()
+    observation = "rgb" if demonstrations.has_images else "keypoints"
+    recipe = load_profile(profile).recipe(observation, demonstrations.timesteps).model_dump()
     if gradient_steps is not None:
         recipe |= {"gradient_steps": gradient_steps, "warmup_steps": min(recipe["warmup_steps"], gradient_steps // 2)}
     _, report = training.train(demonstrations, settings(Training, **recipe), seed, checkpoint=out,
@@ -241,12 +243,15 @@ def figure(
     names: Annotated[Optional[list[str]], typer.Argument(help="notebooks under notebooks/ (default: all)")] = None,
     profile: ProfileName = "laptop",
     parameter: Annotated[Optional[list[str]], typer.Option("-p", help="name=value, over the profile's own")] = None,
+    stored_only: Annotated[bool, typer.Option("--stored-only", help="run nothing; show what is missing")] = False,
     as_json: Json = False,
 ) -> None:
-    """Execute notebooks, which write their figures and tables."""
+    """Execute notebooks, which run what is missing and write their figures and tables."""
     from move import paths
     from move.report import notebooks
 
+    if stored_only:
+        os.environ["MOVE_STORED_ONLY"] = "1"
     changes = dict(_assignment(text) for text in parameter or [])
     for name in names or notebooks.names():  # all of them are checked before the first one runs
         notebooks.notebook_parameters(name, profile, changes)

@@ -273,7 +273,7 @@ def test_observations_are_encoded_once_for_all_noise_draws(monkeypatch):
     monkeypatch.setattr(one.denoiser, "forward", lambda noisy, time, condition, real=one.denoiser.forward: (
         denoised.append((len(noisy), len(set(time.tolist())), condition)), real(noisy, time, condition))[1])
     one.loss(*windows(settings, 3), generator())
-    assert encoded == [3 if settings.stack_frames else 6]
+    assert sum(encoded) == 6
     rows, levels, condition = denoised[0]
     assert rows == 15 and levels > 5  # every draw has its own noise level ...
     assert torch.equal(condition[:3], condition[12:])  # ... and its window's condition
@@ -286,17 +286,21 @@ def test_many_noise_draws_average_to_the_same_loss():
     assert many.loss(observations, actions, generator()).item() == pytest.approx(singles, rel=0.05)
 
 
-def test_stacked_frames_are_one_image_of_many_channels():
-    each, stacked = (policy(image_settings(stack_frames=stack), (32, 32, 3)) for stack in (False, True))
-    assert each.encoder.maps[0].in_channels == 3 and stacked.encoder.maps[0].in_channels == 6
-    observations, _ = windows(image_settings(), 2)
-    cut = crop(observations, 28)
-    seen = []
-    stacked.encoder.register_forward_pre_hook(lambda module, inputs: seen.append(inputs[0]))
-    stacked._condition(cut)
-    older, newer = seen[0][:, :3], seen[0][:, 3:]
-    assert torch.equal(older, cut[:, 0].permute(0, 3, 1, 2) / 127.5 - 1)
-    assert torch.equal(newer, cut[:, 1].permute(0, 3, 1, 2) / 127.5 - 1)
+def test_the_encoder_learns_from_the_newest_frames_alone_but_sees_all():
+    def gradients_and_loss(learning: int | None, observations: torch.Tensor) -> tuple[torch.Tensor, float]:
+        one = policy(image_settings(learning_frames=learning), (32, 32, 3))
+        loss = one.loss(observations, actions, generator())
+        loss.backward()
+        return one.encoder.maps[0].weight.grad, loss.item()
+
+    observations, actions = windows(image_settings(), 3)
+    black = observations.clone()
+    black[:, 0] = 0
+    every, whole = gradients_and_loss(None, observations)
+    newest, same = gradients_and_loss(1, observations)
+    _, other = gradients_and_loss(1, black)
+    assert same == pytest.approx(whole) != other  # the older frame is seen ...
+    assert not torch.allclose(newest, every, rtol=0.01)  # ... but not learnt from
 
 
 def test_a_large_gain_gives_every_pattern_a_place_of_its_own():
@@ -309,6 +313,6 @@ def test_a_large_gain_gives_every_pattern_a_place_of_its_own():
     assert spread[1] > 2 * spread[0]
 
 
-def test_only_the_small_cnn_stacks_frames():
-    with pytest.raises(ValidationError, match="only small_cnn takes several frames"):
-        recipes.paper(stack_frames=True)
+def test_learning_from_all_frames_is_said_by_leaving_it_out():
+    with pytest.raises(ValidationError, match="learning_frames 2 is not below"):
+        image_settings(learning_frames=2)

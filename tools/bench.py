@@ -132,10 +132,10 @@ def bench_image_training() -> None:
     keep_freed_memory()
     drawn = seconds(lambda: made.update(data=collect(plan, 0)[0])) / 1000
     step = timed_step(made["data"], recipe)
-    plain = recipe.model_copy(update={"noise_draws": 1, "stack_frames": False, "precision": "float32"})
+    plain = recipe.model_copy(update={"noise_draws": 1, "learning_frames": None, "precision": "float32"})
     ours, reference = recipe.noise_draws * recipe.batch_size / step, recipe.batch_size / timed_step(made["data"], plain)
     report("denoising examples, pictures", f"{ours:,.0f} a second",
-           f"{reference:,.0f} one draw, single frames, float32", ours / reference, "")
+           f"{reference:,.0f} one draw, all frames, float32", ours / reference, "")
     report(f"image gradient step, {recipe.batch_size} windows x {recipe.noise_draws}", f"{step * 1e3:.0f} ms", "", None,
            "")
     policy, _ = train(made["data"], recipe.model_copy(update={"gradient_steps": 30, "warmup_steps": 10}), 0)

@@ -102,8 +102,7 @@ class DiffusionPolicy(nn.Module):
         self.observation_limits = Limits(seen[0]) if len(seen) == 1 else Pixels()
         self.action_limits = Limits(action_size)
         self.encoder = ENCODERS[training.encoder](training, seen).to(memory_format=torch.channels_last)
-        looks = 1 if training.stack_frames else training.observation_horizon
-        condition_size = looks * self.encoder.features
+        condition_size = training.observation_horizon * self.encoder.features
         self.denoiser = DENOISERS[training.denoiser](training, action_size, condition_size)
         self.schedule = noise_schedule(training)
 
@@ -152,10 +151,15 @@ class DiffusionPolicy(nn.Module):
         return executed.clamp(-1, 1).cpu().numpy()
 
     def _condition(self, observations: Tensor) -> Tensor:
-        """Features of each observation side by side, (B, To * features); of stacked frames, (B, features)."""
-        if self.training_settings.stack_frames:
-            stacked = observations.permute(0, 2, 3, 1, 4).flatten(3)  # (B, H, W, To * 3)
-            return self.encoder(self.observation_limits(stacked))
+        """Features of all observations of a window side by side, (B, To * features)."""
+        learning = self.training_settings.learning_frames
+        if learning is None or not torch.is_grad_enabled():
+            return self._encode(observations)
+        with torch.no_grad():
+            older = self._encode(observations[:, :-learning])
+        return torch.cat([older, self._encode(observations[:, -learning:])], -1)
+
+    def _encode(self, observations: Tensor) -> Tensor:
         each = self.encoder(self.observation_limits(observations.flatten(0, 1)))
         return each.view(len(observations), -1)
 
@@ -176,7 +180,7 @@ class DiffusionPolicy(nn.Module):
 
 
 def _seen_shape(training: Training, observation_shape: tuple[int, ...]) -> tuple[int, ...]:
-    """Shape of what the encoder sees at once, after the crop: one observation, or all frames of a window."""
+    """Shape of what the encoder sees of one observation, after the crop."""
     dimensions = 1 if training.encoder == "keypoints" else 3
     if len(observation_shape) != dimensions:
         raise BadInput(f"observations of shape {observation_shape} for encoder {training.encoder!r}; "
@@ -188,4 +192,4 @@ def _seen_shape(training: Training, observation_shape: tuple[int, ...]) -> tuple
         if training.crop_pixels > min(height, width):
             raise BadInput(f"crop_pixels {training.crop_pixels} from images of {height, width} pixels")
         height = width = training.crop_pixels
-    return height, width, channels * (training.observation_horizon if training.stack_frames else 1)
+    return height, width, channels

@@ -1,10 +1,10 @@
-"""Observations to features: keypoints as they are, or images through a CNN.
+"""One observation to features: keypoints as they are, or an image through a CNN.
 
 Keypoints   (N, coordinates) as they are
-SmallCNN    (N, 3, H, W), a few convolutions and a spatial softmax, small enough for a CPU; or (N, 3 * To, H, W)
+SmallCNN    (N, 3, H, W), a few convolutions and a spatial softmax, small enough for a CPU
 ResNet18    (N, 3, H, W), the paper's scale: ResNet-18 with group norm, spatial softmax, 64 features
 
-An encoder is built from the settings and the shape of what it sees, and says in `features` what it returns.
+An encoder is built from the settings and the shape of one observation, and says in `features` what it returns.
 """
 
 from collections.abc import Callable
@@ -63,7 +63,7 @@ class ResidualBlock(nn.Module):
 
 
 class SmallCNN(nn.Module):
-    """One strided convolution, residual blocks, spatial softmax: (N, channels, H, W) in [-1, 1] -> (N, 2 * points).
+    """One strided convolution, residual blocks, spatial softmax: (N, 3, H, W) in [-1, 1] -> (N, 2 * points).
 
     The first convolution sees overlapping patches of 8 pixels, one every 4: a cheap way to a quarter of the
     resolution, at which an object of 4 pixels still has a place of its own.

@@ -49,7 +49,9 @@ class Training(BaseModel):
     ema_power: PositiveFloat = Field(0.75, description="decay of the averaged weights is 1 - (1 + step)^-power ...")
     ema_decay: float = Field(0.9999, ge=0, lt=1, description="... but never above this")
     crop_pixels: PositiveInt | None = Field(None, description="side of the crop, random in training, pixels; or none")
-    stack_frames: bool = Field(False, description="whether small_cnn sees a window's frames as one many-channel image")
+    learning_frames: PositiveInt | None = Field(
+        None, description="newest frames of a window from which the encoder learns, the older ones pass it only; or all"
+    )
     cnn_width: PositiveInt = Field(32, description="channels of small_cnn")
     cnn_blocks: NonNegativeInt = Field(2, description="residual blocks of small_cnn")
     cnn_points: PositiveInt = Field(32, description="points that the spatial softmax locates")
@@ -69,8 +71,8 @@ class Training(BaseModel):
              f"warmup_steps {self.warmup_steps} exceeds gradient_steps {self.gradient_steps}"),
             (self.encoder != "keypoints" or self.crop_pixels is None,
              f"crop_pixels {self.crop_pixels} with keypoints; only images are cropped"),
-            (self.encoder == "small_cnn" or not self.stack_frames,
-             f"stack_frames with encoder {self.encoder!r}; only small_cnn takes several frames at once"),
+            (self.learning_frames is None or self.learning_frames < self.observation_horizon,
+             f"learning_frames {self.learning_frames} is not below observation_horizon {self.observation_horizon}"),
         ]
         broken = [reason for holds, reason in rules if not holds]
         if broken:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
 
 import pandas as pd
@@ -12,7 +13,7 @@ from move.errors import BadInput
 from move.report import notebooks, style
 from move.study.execute import execute
 from move.study.profiles import load_profile
-from move.study.results import Result, table
+from move.study.results import Result, split, table
 from move.study.spec import RunSpec
 
 
@@ -42,13 +43,14 @@ class Gathered:
 
 
 def gather(specs: list[RunSpec], profile: str) -> Gathered:
-    """Compute what is missing of `specs`, and return all there is.
+    """Compute what is missing of `specs`, unless MOVE_STORED_ONLY is set, and return all there is.
 
     Raises:
         BadInput: there is nothing at all to draw; the message says why.
     """
     style.use_style()
-    there, missing = execute(specs, paths.results(profile))
+    stored_only = os.environ.get("MOVE_STORED_ONLY") == "1"
+    there, missing = (split if stored_only else execute)(specs, paths.results(profile))
     if not there:
         raise BadInput(f"none of the {len(specs)} runs of this figure is stored; the first one: {missing[0][1]}")
     return Gathered(profile, there, table(there), missing)

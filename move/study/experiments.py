@@ -75,7 +75,7 @@ def _grasp_points(
     points = "none" if protocol == "dense" else protocol  # dense: every demonstration has a point of its own
     return [
         RunSpec(
-            task="pick-place", seed=seed, training=settings.recipe(observation),
+            task="pick-place", seed=seed, training=settings.recipe(observation, timesteps),
             collection=Collection(task="pick-place", method=method, timesteps=timesteps, observation=observation,
                                   image_size=settings.image_size, factors="object", protocol=protocol),
             evaluation=Evaluation(layout="grid", grid_side=grid_side, factors="object", points=points),
@@ -136,7 +136,7 @@ def _policy(
     """A policy trained and tried with the same factors random."""
     settings = load_profile(profile)
     return RunSpec(
-        task=task, seed=seed, training=settings.recipe(observation), evaluation=evaluation,
+        task=task, seed=seed, training=settings.recipe(observation, timesteps), evaluation=evaluation,
         collection=Collection(task=task, method=method, timesteps=timesteps, observation=observation,
                               image_size=settings.image_size, factors=evaluation.factors),
     )
@@ -151,7 +151,7 @@ def keypoint_control(
     evaluation = Evaluation(episodes=episodes)
     policies = [
         RunSpec(
-            task="pick-place", seed=seed, training=settings.recipe("keypoints"), evaluation=evaluation,
+            task="pick-place", seed=seed, training=settings.recipe("keypoints", budget), evaluation=evaluation,
             collection=Collection(task="pick-place", method=method, timesteps=budget),
         )
         for budget in timesteps
@@ -183,9 +183,9 @@ def table_keypoint_control(
 
     The tasks that stay near their floor, `larger_tasks`, get a `larger` budget as well, alike for all methods.
     """
-    recipe, evaluation = load_profile(profile).recipe("keypoints"), Evaluation(episodes=episodes)
+    settings, evaluation = load_profile(profile), Evaluation(episodes=episodes)
     policies = [
-        RunSpec(task=task, seed=seed, training=recipe, evaluation=evaluation,
+        RunSpec(task=task, seed=seed, training=settings.recipe("keypoints", budget), evaluation=evaluation,
                 collection=Collection(task=get_task(task).name, method=method, timesteps=budget))
         for seed in range(seeds)
         for budget, tasks in ((timesteps, TASKS), (larger, larger_tasks))

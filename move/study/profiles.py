@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import yaml
@@ -21,6 +22,9 @@ class Profile(BaseModel):
     purpose: str = Field(description="one sentence that every picture of the profile carries")
     image_size: int = Field(96, ge=16, le=512, description="pixels along a side")
     training: dict[str, Training] = Field(description="the recipe for each observation, alike for all methods")
+    epochs: dict[str, float] = Field(
+        default_factory=dict, description="by observation: how often every window is drawn at least, on the mean"
+    )
     notebooks: dict[str, dict[str, Any]] = Field(description="parameters that differ from the notebook's own")
     without_gl: dict[str, dict[str, Any]] = Field(default_factory=dict, description="the same, where nothing can draw")
     minutes: dict[str, float] = Field(default_factory=dict, description="core-minutes of a run, by observation")
@@ -30,15 +34,19 @@ class Profile(BaseModel):
         changed = self.notebooks.get(notebook, {})
         return {**changed, **self.without_gl.get(notebook, {})} if gl_problem() else changed
 
-    def recipe(self, observation: str) -> Training:
-        """How policies that see `observation` are built and trained.
+    def recipe(self, observation: str, timesteps: int) -> Training:
+        """How policies that see `observation` are built and trained on so many timesteps.
+
+        The gradient steps are the recipe's, or more where the `epochs` over so much data take more.
 
         Raises:
             BadInput: the profile has no such recipe.
         """
         if observation not in self.training:
             raise BadInput(f"observation: {observation!r} given; this profile has {', '.join(self.training)}")
-        return self.training[observation]
+        recipe = self.training[observation]
+        for_all_data = math.ceil(self.epochs.get(observation, 0) * timesteps / recipe.batch_size)
+        return recipe.model_copy(update={"gradient_steps": max(recipe.gradient_steps, for_all_data)})
 
 
 def names() -> list[str]:
