@@ -9,7 +9,7 @@ import numpy as np  # noqa: E402
 import pandas as pd  # noqa: E402
 import pytest  # noqa: E402
 
-from move.report import plots, style, tables  # noqa: E402
+from move.report import page, plots, style, tables  # noqa: E402
 from move.sim.collect import Collection  # noqa: E402
 from move.sim.configuration import Disc  # noqa: E402
 from move.sim.tasks import TASKS  # noqa: E402
@@ -209,3 +209,15 @@ def test_plots_draw_one_mark_a_row_and_survive_a_missing_method():
     _, ax = plt.subplots()
     plots.gaps(tables.gap_table(three_methods("a", 0.9).query("method == 'adc'"), "task"), "task", [], ax)
     assert not ax.containers
+
+
+def test_a_figure_drawn_from_what_is_stored_runs_nothing(tmp_path, monkeypatch):
+    monkeypatch.setenv("MOVE_STORED_ONLY", "1")
+    monkeypatch.setattr(page.paths, "results", lambda profile: tmp_path)
+    stored = collector("static", [(True, 10)])
+    results.store(stored, tmp_path)
+    other = stored.spec.model_copy(update={"seed": 5})
+    monkeypatch.setattr(page, "execute", lambda *arguments: pytest.fail("something was run"))
+    gathered = page.gather([stored.spec, other], "smoke")
+    assert len(gathered.results) == 1 and gathered.missing == [(other, "not computed yet")]
+    assert "1 RUNS MISSING" in gathered.source

@@ -252,6 +252,15 @@ def test_a_wrong_profile_is_one_clear_line(profile_folder, old, new, message):
     assert "\n" not in str(problem.value)
 
 
+def test_more_data_are_trained_on_for_more_steps_and_little_data_not_for_fewer():
+    profile = profiles.Profile(purpose="test", training={"keypoints": TINY}, epochs={"keypoints": 2.0}, notebooks={})
+    assert profile.recipe("keypoints", 8).gradient_steps == TINY.gradient_steps == 5
+    assert profile.recipe("keypoints", 81).gradient_steps == 21  # 162 windows in batches of 8
+    assert profile.recipe("keypoints", 81).model_copy(update={"gradient_steps": 5}) == TINY
+    with pytest.raises(BadInput, match="this profile has keypoints"):
+        profile.recipe("rgb", 8)
+
+
 def test_unknown_profiles_and_figures_are_refused():
     with pytest.raises(BadInput, match="allowed are .*laptop"):
         profiles.load_profile("moon")

@@ -103,7 +103,7 @@ def gaps(table: pd.DataFrame, by: str, labels: list[str], ax: Axes) -> None:
                     capsize=1.5, color=COLOURS[other], label=f"MOVE - {NAMES[other]}")
     ax.axvline(0, color="black", lw=0.8)
     ax.set_yticks(range(len(values)), labels)
-    ax.set_ylim(len(values) - 0.5, -0.5)
+    ax.set_ylim(max(len(values), 1) - 0.5, -0.5)
     ax.set_xlabel("difference of success rates")
 
 
