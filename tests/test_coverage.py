@@ -4,12 +4,17 @@ import imageio.v3 as imageio
 import numpy as np
 import pandas as pd
 import pytest
+import recipes
 
+from move.learn import evaluate as evaluating
+from move.learn.evaluate import Evaluation
+from move.learn.train import train
 from move.report import film
 from move.sim.collect import Collection, collect
 from move.sim.observe import gl_problem
 from move.sim.tasks import get_task
 from move.study import coverage
+from move.study.spec import RunSpec
 
 needs_gl = pytest.mark.skipif(gl_problem() is not None, reason="no GL library on this machine")
 TASK = get_task("pick-place")
@@ -75,3 +80,27 @@ def test_a_film_holds_the_whole_demonstration(tmp_path):
     frames = film.demonstration_frames(film.demonstration("pick-place", "move", 32), 0)
     path = film.write_film(frames, tmp_path / "film.mp4")
     assert len(imageio.imread(path, plugin="pyav")) == len(frames) > 50
+
+
+@needs_gl
+def test_episodes_are_drawn_in_a_seeded_order_until_one_succeeds_and_one_fails(monkeypatch):
+    plan = Collection(task="pick-place", method="static", timesteps=100)
+    training = recipes.keypoints(gradient_steps=2, warmup_steps=1, batch_size=8)
+    spec = RunSpec(task="pick-place", seed=0, collection=plan, training=training, evaluation=Evaluation(episodes=6))
+    policy, _ = train(collect(plan, 0)[0], training, 0)
+    monkeypatch.setattr(evaluating, "EPISODE_STEPS", 6)
+    row, frames = film.episode_frames(policy, spec, 4, 32)
+    assert row["trial"] == 4 and frames.shape == (7, 32, 32, 3)
+    played = []
+
+    def ends(policy, spec, number, image_size):
+        played.append(number)
+        return {"trial": number, "success": number in (1, 4)}, np.zeros((1, 2, 2, 3))
+
+    monkeypatch.setattr(film, "episode_frames", ends)
+    success, failure = film.one_of_each(policy, spec, np.random.default_rng(3), 32)
+    assert (success[0]["success"], failure[0]["success"]) == (True, False)
+    assert played == list(np.random.default_rng(3).permutation(6))[:len(played)]
+    assert {success[0]["trial"], failure[0]["trial"]} <= set(played)
+    monkeypatch.setattr(film, "episode_frames", lambda *arguments: ({"success": False}, None))
+    assert film.one_of_each(policy, spec, np.random.default_rng(3), 32) == [({"success": False}, None)]
