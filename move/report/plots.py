@@ -64,7 +64,7 @@ def rates(table: pd.DataFrame, ax: Axes) -> None:
                    zorder=4)
         ax.plot([place - 0.4, place + 0.4], [row.paper, row.paper], color="black", ls=":", lw=1.4)
     ax.set_xticks(range(len(table)), [NAMES[name] for name in table.method])
-    ax.set(ylabel="success rate", ylim=(0, 1), xlim=(-0.6, len(table) - 0.4))
+    ax.set(ylabel="success rate", ylim=(0, 1.03), xlim=(-0.6, len(table) - 0.4))
 
 
 def grouped_rates(table: pd.DataFrame, by: str, labels: list[str], ax: Axes) -> None:
