@@ -132,13 +132,18 @@ def level(value: float, label: str, ax: Axes, style: str = "--") -> None:
 
 
 def task_rates(table: pd.DataFrame, controls: pd.DataFrame, ax: Axes) -> None:
-    """One group a task: each method's rate with its interval, between the task's floor and ceiling.
+    """One group for each of the ten tasks: the methods' rates with intervals, between the task's floor and ceiling.
+
+    A task that the table does not hold is marked as missing.
 
     Args:
         table: task, method, value, low, high; and, where the paper gives any, paper: drawn as crosses.
         controls: one row a task; columns "expert" (ceiling) and, where it exists, "goal-blind" (floor).
     """
-    tasks, methods = list(table.task.unique()), list(table.method.unique())
+    tasks, methods = list(TASKS), list(table.method.unique())
+    for place, task in enumerate(tasks):
+        if task not in set(table.task):
+            ax.annotate("missing", (place, 0.5), ha="center", va="center", rotation=90, fontsize=6, color="#777777")
     for method, shift in zip(methods, np.linspace(-0.24, 0.24, len(methods)), strict=True):
         rows = table[table.method == method].set_index("task").reindex(tasks)
         errors = [rows.value - rows.low, rows.high - rows.value]

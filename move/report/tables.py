@@ -49,9 +49,8 @@ def gap_table(episodes: pd.DataFrame, by: str, others: tuple[str, ...] = ("stati
             if "move" in per_method and other in per_method:
                 pairs[other].append((per_method["move"], per_method[other]))
                 rows.append({by: value, "than": other, **_gap(difference(*pairs[other][-1], rng))})
-    if episodes[by].nunique() > 1:
-        rows += [{by: f"mean of {len(pairs[other])}", "than": other, **_gap(mean_difference(pairs[other], rng))}
-                 for other in others if pairs[other]]
+    rows += [{by: f"mean of {len(pairs[other])}", "than": other, **_gap(mean_difference(pairs[other], rng))}
+             for other in others if len(pairs[other]) > 1]
     return pd.DataFrame(rows, columns=[by, "than", "gap", "low", "high"])
 
 
