@@ -6,7 +6,6 @@ Bad input ends with one line on standard error and exit code 2; a run that faile
 from __future__ import annotations
 
 import json
-import os
 import sys
 from pathlib import Path
 from typing import Annotated, Any, Optional
@@ -250,8 +249,6 @@ def figure(
     from move import paths
     from move.report import notebooks
 
-    if stored_only:
-        os.environ["MOVE_STORED_ONLY"] = "1"
     changes = dict(_assignment(text) for text in parameter or [])
     for name in names or notebooks.names():  # all of them are checked before the first one runs
         notebooks.notebook_parameters(name, profile, changes)
@@ -259,7 +256,7 @@ def figure(
     for name in names or notebooks.names():
         typer.echo(f"notebook {name} ({profile}) ...", err=True)
         try:
-            executed = notebooks.run_notebook(name, profile, changes)
+            executed = notebooks.run_notebook(name, profile, changes, stored_only)
         except notebooks.NotebookFailed as failure:
             typer.echo(f"move: {failure}", err=True)
             raise typer.Exit(1) from failure

@@ -22,14 +22,13 @@ from rich.console import Console  # noqa: E402
 from rich.table import Table  # noqa: E402
 
 from move.learn.evaluate import Evaluation, PolicyPlayer, evaluate  # noqa: E402
-from move.learn.settings import Training  # noqa: E402
-from move.learn.train import Trainer, keep_freed_memory, train  # noqa: E402
+from move.learn.train import keep_freed_memory, train  # noqa: E402
 from move.paths import figures  # noqa: E402
 from move.sim.collect import Collection, attempts, collect  # noqa: E402
-from move.sim.demonstrations import Demonstrations  # noqa: E402
 from move.sim.observe import gl_problem, gl_renderer  # noqa: E402
 from move.sim.scene import Scene  # noqa: E402
 from move.sim.tasks import get_task  # noqa: E402
+from move.study.plan import step_seconds  # noqa: E402
 from move.study.profiles import load_profile  # noqa: E402
 from move.study.provenance import peak_memory_mb, processor  # noqa: E402
 
@@ -132,9 +131,9 @@ def bench_image_training() -> None:
     plan = Collection(task=TASK, method="static", timesteps=1000, observation="rgb", factors="object")
     keep_freed_memory()
     drawn = seconds(lambda: made.update(data=collect(plan, 0)[0])) / 1000
-    step = timed_step(made["data"], recipe)
+    step = step_seconds(recipe, made["data"], 40)
     plain = recipe.model_copy(update={"noise_draws": 1, "learning_frames": None, "precision": "float32"})
-    windows, reference = recipe.batch_size / step, recipe.batch_size / timed_step(made["data"], plain)
+    windows, reference = recipe.batch_size / step, recipe.batch_size / step_seconds(plain, made["data"], 40)
     how = "one noise level, all frames learn, float32"
     report("training windows, pictures", f"{windows:,.0f} a second", f"{reference:,.0f} {how}", windows / reference, "")
     report("noise levels tried on them", f"{windows * recipe.noise_draws:,.0f} a second", f"{reference:,.0f} {how}",
@@ -148,14 +147,6 @@ def bench_image_training() -> None:
         parts = (drawn * frames, step * profile.recipe("rgb", frames).gradient_steps, tried * episodes)
         report(f"image run of {frames:,} frames", f"{sum(parts) / 60:.1f} core-min",
                f"{parts[0]:.0f} + {parts[1]:.0f} + {parts[2]:.0f} s (scaled up)", None, wanted)
-
-
-def timed_step(data: Demonstrations, recipe: Training) -> float:
-    """Seconds of one gradient step, the mean of 40."""
-    trainer = Trainer(data, recipe, 0, "cpu")
-    for _ in range(5):
-        trainer.take_step()
-    return seconds(lambda: [trainer.take_step() for _ in range(40)]) / 40
 
 
 def main() -> None:

@@ -251,13 +251,13 @@ def _play(
 ) -> list[tuple[int, Scene, int]]:
     """Play the `chosen` of a batch to their ends: number, scene and successful steps of each."""
     scenes = [Scene(task, observation if player.looks else "keypoints", image_size) for _ in batch]
-    seen = [scene.reset(options={"configuration": trial.configuration})[0]
-            for scene, trial in zip(scenes, batch, strict=True)]
-    windows = [[frame, frame] for frame in seen]
+    windows: dict[int, list[np.ndarray]] = {}
+    for number in chosen:
+        seen, _ = scenes[number].reset(options={"configuration": batch[number].configuration})
+        windows[number] = [seen, seen]
+        watch(number, scenes[number])
     successes, running = [0] * len(batch), chosen
     player.start(scenes)
-    for number in running:
-        watch(number, scenes[number])
     while running:
         observations = np.stack([np.stack(windows[number]) for number in running]) if player.looks else None
         for number, actions in zip(running, player.act(running, scenes, observations), strict=True):

@@ -45,8 +45,12 @@ def notebook_parameters(name: str, profile: str, changes: dict[str, Any]) -> dic
     return given
 
 
-def run_notebook(name: str, profile: str, changes: dict[str, Any] | None = None) -> Path:
+def run_notebook(
+    name: str, profile: str, changes: dict[str, Any] | None = None, stored_only: bool = False
+) -> Path:
     """Execute notebook `name`; the executed copy and its log stay under build/notebooks/.
+
+    With `stored_only` the notebook runs nothing that is missing.
 
     Raises:
         BadInput: parameters that the notebook does not have, or bad input found inside it.
@@ -60,8 +64,9 @@ def run_notebook(name: str, profile: str, changes: dict[str, Any] | None = None)
                "--cwd", str(paths.NOTEBOOKS), "-f", str(given), str(paths.NOTEBOOKS / f"{name}.ipynb"), str(executed)]
     done = paths.BUILD / "notebooks" / profile / f"{name}.done"
     done.unlink(missing_ok=True)
+    told = {"MOVE_DONE": str(done)} | ({"MOVE_STORED_ONLY": "1"} if stored_only else {})
     for _ in range(STARTS):
-        outcome = subprocess.run(command, env={**os.environ, "MOVE_DONE": str(done)}, capture_output=True, text=True)
+        outcome = subprocess.run(command, env={**os.environ, **told}, capture_output=True, text=True)
         if outcome.returncode == 0 and done.exists():
             return executed
         if bad := re.findall(r"^BadInput: (.*)$", outcome.stderr, re.MULTILINE):

@@ -79,14 +79,14 @@ def _example(spec: RunSpec, image_size: int) -> Demonstrations:
     return Demonstrations(observations, actions, np.array([steps]))
 
 
-def step_seconds(training: Training, demonstrations: Demonstrations) -> float:
-    """Seconds of one gradient step on the best device here, after one that is not counted."""
+def step_seconds(training: Training, demonstrations: Demonstrations, steps: int = MEASURED_STEPS) -> float:
+    """Seconds of one gradient step on the best device here, the mean of `steps` after one that is not counted."""
     device = best_device()
     trainer = Trainer(demonstrations, training, 0, device)
     trainer.take_step()
     started = time.perf_counter()
-    for _ in range(MEASURED_STEPS):
+    for _ in range(steps):
         trainer.take_step()
     if device == "cuda":
         torch.cuda.synchronize()
-    return (time.perf_counter() - started) / MEASURED_STEPS
+    return (time.perf_counter() - started) / steps

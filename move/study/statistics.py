@@ -80,11 +80,7 @@ def difference(first: np.ndarray, second: np.ndarray, rng: np.random.Generator) 
     Raises:
         ValueError: different configurations.
     """
-    first, second = np.atleast_2d(np.asarray(first, float)), np.atleast_2d(np.asarray(second, float))
-    if first.shape[1] != second.shape[1]:
-        raise ValueError(f"difference: {first.shape[1]} and {second.shape[1]} configurations; they must be the same")
-    low, high = np.quantile(_bootstrap(first, second, rng), [(1 - CONFIDENCE) / 2, (1 + CONFIDENCE) / 2])
-    return float(first.mean() - second.mean()), float(low), float(high)
+    return mean_difference([(first, second)], rng)
 
 
 def mean_difference(
@@ -97,15 +93,20 @@ def mean_difference(
 
     Returns:
         mean difference, low, high.
+
+    Raises:
+        ValueError: different configurations.
     """
-    each = [_bootstrap(np.atleast_2d(np.asarray(first, float)), np.atleast_2d(np.asarray(second, float)), rng)
-            for first, second in pairs]
+    each = [_bootstrap(first, second, rng) for first, second in pairs]
     low, high = np.quantile(np.mean(each, axis=0), [(1 - CONFIDENCE) / 2, (1 + CONFIDENCE) / 2])
     return float(np.mean([np.mean(first) - np.mean(second) for first, second in pairs])), float(low), float(high)
 
 
 def _bootstrap(first: np.ndarray, second: np.ndarray, rng: np.random.Generator) -> np.ndarray:
     """DRAWS differences of the rates of resampled seeds and configurations."""
+    first, second = np.atleast_2d(np.asarray(first, float)), np.atleast_2d(np.asarray(second, float))
+    if first.shape[1] != second.shape[1]:
+        raise ValueError(f"difference: {first.shape[1]} and {second.shape[1]} configurations; they must be the same")
     draws = np.empty(DRAWS)
     for index in range(DRAWS):
         columns = rng.integers(first.shape[1], size=first.shape[1])
