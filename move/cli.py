@@ -239,7 +239,7 @@ def verify(
 
 @app.command()
 def figure(
-    names: Annotated[Optional[list[str]], typer.Argument(help="notebooks under notebooks/ (default: all)")] = None,
+    names: Annotated[Optional[list[str]], typer.Argument(help="names (default: all of the profile)")] = None,
     profile: ProfileName = "laptop",
     parameter: Annotated[Optional[list[str]], typer.Option("-p", help="name=value, over the profile's own")] = None,
     stored_only: Annotated[bool, typer.Option("--stored-only", help="run nothing; show what is missing")] = False,
@@ -250,10 +250,11 @@ def figure(
     from move.report import notebooks
 
     changes = dict(_assignment(text) for text in parameter or [])
-    for name in names or notebooks.names():  # all of them are checked before the first one runs
+    names = names or notebooks.of_profile(profile)
+    for name in names:  # all of them are checked before the first one runs
         notebooks.notebook_parameters(name, profile, changes)
     rows = []
-    for name in names or notebooks.names():
+    for name in names:
         typer.echo(f"notebook {name} ({profile}) ...", err=True)
         try:
             executed = notebooks.run_notebook(name, profile, changes, stored_only)

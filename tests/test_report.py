@@ -13,7 +13,7 @@ from move.report import page, plots, style, tables  # noqa: E402
 from move.sim.collect import Collection  # noqa: E402
 from move.sim.configuration import Disc  # noqa: E402
 from move.sim.tasks import TASKS  # noqa: E402
-from move.study import paper, results, statistics  # noqa: E402
+from move.study import experiments, paper, results, statistics  # noqa: E402
 from move.study.spec import RunSpec  # noqa: E402
 
 
@@ -157,6 +157,24 @@ def test_kept_shares_name_the_tasks_with_a_limited_reach():
 
 
 # differences ---------------------------------------------------------------------------------------------------------
+
+
+def test_the_recipes_table_compares_each_change_with_the_chosen_one():
+    specs = experiments.table_recipe(episodes=20)[:6]
+    outcomes = [[True] * 18 + [False] * 2, [False] * 20, *[[True] * 20] * 4]
+    runs = [results.Result(spec, [{"trial": number, "group": "own", "success": success}
+                                  for number, success in enumerate(successes)],
+                           None, {"curve": [(100, 0.5), (200, 0.1)]}, {"train": 120.0}, {})
+            for spec, successes in zip(specs, outcomes, strict=True)]
+    table = tables.recipe_table(runs, "laptop").set_index("change")
+    assert table.loc["chosen", ["train_minutes", "loss", "value", "gain"]].tolist() == [2.0, 0.1, 0.9, 0.0]
+    worse = table.loc["one noise level a window"]
+    assert worse.gain == pytest.approx(-0.9) and worse.gain_high < 0
+    assert table.loc["3 times as long"].gain == pytest.approx(0.1)
+    assert tables.recipe_table(runs[1:], "laptop").gain.isna().all()
+    _, ax = plt.subplots()
+    plots.changes(table.reset_index(), ax)
+    assert [label.get_text().split(",")[0] for label in ax.get_yticklabels()] == list(table.index)
 
 
 def three_methods(task: str, move: float) -> pd.DataFrame:

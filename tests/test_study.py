@@ -13,6 +13,7 @@ from move import paths
 from move.errors import BadInput
 from move.learn.evaluate import Evaluation, Expert, Nothing, PolicyPlayer, Random, evaluate, trials
 from move.learn.train import train
+from move.report import notebooks, page
 from move.sim.collect import Collection, collect, first_configurations
 from move.sim.configuration import SpatialConfiguration
 from move.sim.scene import Scene
@@ -357,6 +358,22 @@ def test_table_1_shares_its_last_setting_with_table_2():
     assert len(shared) >= 2  # static and MOVE of the seeds that both have
 
 
+def test_the_recipe_is_judged_by_static_alone_where_it_learnt_one_change_at_a_time():
+    specs = experiments.specs("table_recipe", "laptop")
+    assert {spec.method for spec in specs} == {"static"} and {spec.evaluation.layout for spec in specs} == {"own"}
+    for budget in (7000, 20_000):
+        changes = [experiments.recipe_change(spec, "laptop") for spec in specs if spec.collection.timesteps == budget]
+        assert changes == [*experiments.RECIPE_CHANGES, "3 times as long"]
+
+
+def test_the_recipe_that_is_judged_is_the_one_of_the_figures():
+    chosen = {spec.collection.timesteps: spec.training for spec in experiments.specs("table_recipe", "laptop")
+              if experiments.recipe_change(spec, "laptop") == "chosen"}
+    for figure in ("fig1_sparse", "table1_spatial_factors"):
+        for spec in experiments.specs(figure, "laptop"):
+            assert spec.training == chosen[spec.collection.timesteps]
+
+
 @pytest.mark.parametrize(("figure", "protocol", "points"), [
     ("fig1_sparse", "sparse", "sparse"), ("fig3_dense", "dense", "none"), ("fig5_circle", "circle", "circle")])
 def test_the_preliminary_figures_follow_the_papers_protocol(figure, protocol, points):
@@ -366,6 +383,14 @@ def test_the_preliminary_figures_follow_the_papers_protocol(figure, protocol, po
     assert len({spec.seed for spec in specs}) >= 3 and {spec.method for spec in specs} == {"static", "move"}
     assert len({spec.collection.timesteps for spec in specs}) == 1
     assert {spec.observation for spec in specs} == {"rgb"}
+
+
+def test_a_profile_without_the_small_cnn_leaves_the_recipes_notebook_out():
+    assert "table_recipe" in notebooks.of_profile("laptop")
+    for profile in ("paper", "laptop-keypoints"):
+        assert set(notebooks.names()) - set(notebooks.of_profile(profile)) == {"table_recipe"}
+    with pytest.raises(BadInput, match="profile paper: has no runs of this figure"):
+        page.gather([], "paper")
 
 
 # policies ------------------------------------------------------------------------------------------------------------

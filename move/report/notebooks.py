@@ -15,6 +15,7 @@ import yaml
 
 from move import paths
 from move.errors import BadInput
+from move.study.experiments import EXPERIMENTS, specs
 from move.study.profiles import load_profile
 
 
@@ -28,6 +29,11 @@ STARTS = 2  # a kernel can lose the race for its ports once
 def names() -> list[str]:
     """The notebooks that exist, by name; each makes the figure or table of the same name."""
     return sorted(path.stem for path in paths.NOTEBOOKS.glob("*.ipynb"))
+
+
+def of_profile(profile: str) -> list[str]:
+    """The notebooks that have something to show in `profile`: not those whose experiment asks it for no run."""
+    return [name for name in names() if name not in EXPERIMENTS or specs(name, profile)]
 
 
 def notebook_parameters(name: str, profile: str, changes: dict[str, Any]) -> dict[str, Any]:

@@ -48,6 +48,8 @@ def gather(specs: list[RunSpec], profile: str) -> Gathered:
     Raises:
         BadInput: there is nothing at all to draw; the message says why.
     """
+    if not specs:
+        raise BadInput(f"profile {profile}: has no runs of this figure; allowed is another profile")
     style.use_style()
     stored_only = os.environ.get("MOVE_STORED_ONLY") == "1"
     there, missing = (split if stored_only else execute)(specs, paths.results(profile))

@@ -159,6 +159,21 @@ def task_rates(table: pd.DataFrame, controls: pd.DataFrame, ax: Axes) -> None:
     ax.set(ylabel="success rate", ylim=(-0.03, 1.05))
 
 
+def changes(table: pd.DataFrame, ax: Axes) -> None:
+    """Success of the recipe with one change at a time, one line a row with its interval and minutes of training.
+
+    Args:
+        table: as `move.report.tables.recipe_table` gives it.
+    """
+    for place, row in enumerate(table.itertuples()):
+        colour = "black" if row.change == "chosen" else "#777777"
+        ax.errorbar(row.value, place, xerr=[[row.value - row.low], [row.high - row.value]], fmt="o", ms=4, lw=1,
+                    capsize=1.5, color=colour)
+    ax.set_yticks(range(len(table)), [f"{row.change}, {row.train_minutes:.1f} min" for row in table.itertuples()])
+    ax.invert_yaxis()
+    ax.set(xlabel="success where it learnt", xlim=(-0.02, 1.02))
+
+
 def costs(table: pd.DataFrame, value: str, paper: dict[str, float], ax: Axes) -> None:
     """Mean over the tasks of `value` for each method, one bar an expert, single tasks as dots, the paper dotted.
 

@@ -11,6 +11,7 @@ from move.sim.configuration import Disc
 from move.sim.task import kept_share
 from move.sim.tasks import TASKS
 from move.study import paper
+from move.study.experiments import recipe_change
 from move.study.profiles import load_profile
 from move.study.results import Result
 from move.study.statistics import difference, mean_difference, success_rate
@@ -115,6 +116,30 @@ def with_paper(table: pd.DataFrame, values: dict[str, float]) -> pd.DataFrame:
     return table.assign(paper=table.method.map(values))
 
 
+def recipe_table(results: list[Result], profile: str) -> pd.DataFrame:
+    """One row a run of the recipe's experiment: what was changed, minutes of training, success at its own places.
+
+    Columns timesteps, change, train_minutes (one core), loss (mean of the last fiftieth of the steps), value, low,
+    high, episodes; gain, gain_low, gain_high: success minus the chosen recipe's, paired, NaN where that is missing.
+    """
+    chosen = {result.spec.collection.timesteps: result for result in results
+              if recipe_change(result.spec, profile) == "chosen"}
+    rng, rows = np.random.default_rng(0), []
+    for result in results:
+        rate, reference = success_rate(_outcomes(result)), chosen.get(result.spec.collection.timesteps)
+        gain = (np.nan,) * 3 if reference is None else difference(_outcomes(result), _outcomes(reference), rng)
+        rows.append({"timesteps": result.spec.collection.timesteps, "change": recipe_change(result.spec, profile),
+                     "train_minutes": result.seconds["train"] / 60, "loss": result.training["curve"][-1][1],
+                     "value": rate.value, "low": rate.low, "high": rate.high, "episodes": rate.episodes,
+                     **dict(zip(("gain", "gain_low", "gain_high"), gain, strict=True))})
+    return pd.DataFrame(rows)
+
+
+def _outcomes(result: Result) -> np.ndarray:
+    """One run's successes, shape (1, episodes)."""
+    return np.array([[row["success"] for row in result.rows]], float)
+
+
 def collection_costs(results: list[Result]) -> pd.DataFrame:
     """One row a task, method and expert: attempts, share that succeeded with its interval, mean steps of those.
 
@@ -123,7 +148,7 @@ def collection_costs(results: list[Result]) -> pd.DataFrame:
     """
     rows = []
     for result in results:
-        rate = success_rate(np.array([[row["success"] for row in result.rows]]))
+        rate = success_rate(_outcomes(result))
         kept = [row["steps"] for row in result.rows if row["success"]]
         rows.append({"task": result.spec.task, "method": result.spec.method, "expert": result.spec.collection.expert,
                      "attempts": rate.episodes, "generation_rate": rate.value, "low": rate.low, "high": rate.high,
