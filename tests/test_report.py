@@ -193,6 +193,13 @@ def test_the_gap_table_names_the_winner_on_each_item_and_on_the_mean():
     assert "above static on 1 of 2" in spoken and "below it on 1" in spoken
 
 
+def test_the_papers_gap_stands_beside_ours_on_the_same_items():
+    both = pd.concat([three_methods("push", 0.9), three_methods("hammer", 0.9)])
+    gaps = tables.gap_table(both, "task", ("static",))
+    table = tables.with_paper_gaps(gaps, "task", paper.TABLE2_MAIN)
+    assert table.paper.tolist() == pytest.approx([0.410 - 0.163, 0.309 - 0.156, (0.247 + 0.153) / 2])
+
+
 def test_the_interval_of_the_mean_is_narrower_than_that_of_one_item():
     rng = np.random.default_rng(0)
     pairs = [(rng.random((1, 100)) < 0.5, rng.random((1, 100)) < 0.3) for _ in range(9)]
@@ -224,6 +231,9 @@ def test_plots_draw_one_mark_a_row_and_survive_a_missing_method():
     _, ax = plt.subplots()
     plots.gaps(tables.gap_table(three_methods("a", 0.9), "task"), "task", ["a"], ax)
     assert len(ax.containers) == 2
+    _, ax = plt.subplots()
+    plots.gaps(tables.gap_table(three_methods("push", 0.9), "task").assign(paper=0.2), "task", ["push"], ax)
+    assert [line.get_xdata().tolist() for line in ax.lines if line.get_marker() == "x"] == [[0.2], [0.2]]
     _, ax = plt.subplots()
     plots.gaps(tables.gap_table(three_methods("a", 0.9).query("method == 'adc'"), "task"), "task", [], ax)
     assert not ax.containers

@@ -89,7 +89,7 @@ def grouped_rates(table: pd.DataFrame, by: str, labels: list[str], ax: Axes) -> 
 
 
 def gaps(table: pd.DataFrame, by: str, labels: list[str], ax: Axes) -> None:
-    """Differences MOVE minus another method with intervals, one row a value of `by`, 0 marked.
+    """Differences MOVE minus another method with intervals, 0 marked; a column `paper` as crosses.
 
     Args:
         table: as `move.report.tables.gap_table` gives it.
@@ -101,6 +101,8 @@ def gaps(table: pd.DataFrame, by: str, labels: list[str], ax: Axes) -> None:
         places = np.array([values.index(value) for value in rows[by]]) + shift
         ax.errorbar(rows.gap, places, xerr=[rows.gap - rows.low, rows.high - rows.gap], fmt="o", ms=3.5, lw=1,
                     capsize=1.5, color=COLOURS[other], label=f"MOVE - {NAMES[other]}")
+        if "paper" in rows:
+            ax.plot(rows.paper, places, "x", ms=4, mew=1, color="black")
     ax.axvline(0, color="black", lw=0.8)
     ax.set_yticks(range(len(values)), labels)
     ax.set_ylim(max(len(values), 1) - 0.5, -0.5)

@@ -55,6 +55,19 @@ def gap_table(episodes: pd.DataFrame, by: str, others: tuple[str, ...] = ("stati
     return pd.DataFrame(rows, columns=[by, "than", "gap", "low", "high"])
 
 
+def with_paper_gaps(gaps: pd.DataFrame, by: str, published: pd.DataFrame) -> pd.DataFrame:
+    """A `gap_table` with a column `paper`: the paper's difference on each item, and their mean in the mean's row.
+
+    Args:
+        published: the paper's rates, one row a value of `by`, one column a method.
+    """
+    differences = -published.sub(published.move, axis=0)
+    items = gaps[gaps[by].isin(published.index)]
+    means = {other: differences.loc[rows[by], other].mean() for other, rows in items.groupby("than")}
+    return gaps.assign(paper=[differences[other].get(item, means[other])
+                              for item, other in zip(gaps[by], gaps.than, strict=True)])
+
+
 def _gap(values: tuple[float, float, float]) -> dict[str, float]:
     return dict(zip(("gap", "low", "high"), values, strict=True))
 
