@@ -81,7 +81,7 @@ def test_methods_of_a_figure_differ_in_nothing_but_the_method():
                     rest = spec.model_dump(mode="json")
                     method = rest["collection"].pop("method")
                     groups.setdefault(json.dumps(rest, sort_keys=True), set()).add(method)
-            assert len({frozenset(methods) for methods in groups.values()}) == 1
+            assert len({frozenset(methods) for methods in groups.values()}) <= 1  # 0 where a profile has no such runs
 
 
 # results -------------------------------------------------------------------------------------------------------------
