@@ -120,6 +120,38 @@ def table2_main(
     return policies + [spec for name in TASKS for spec in controls(name, evaluation)]
 
 
+RECIPE_CHANGES: dict[str, dict[str, Any]] = {
+    "chosen": {},
+    "one noise level a window": {"noise_draws": 1},
+    "spatial softmax starts flat": {"softmax_gain": 1.0},
+    "encoder learns from all frames": {"learning_frames": None},
+    "32 channels": {"cnn_width": 32},
+}
+"""What the recipe for pictures was measured against: one change at a time."""
+
+
+@checked
+def table_recipe(
+    profile: str = "laptop", timesteps: tuple[Count, ...] = (7000, 20_000), episodes: Count = 60,
+    longer: Count = 3,
+) -> list[RunSpec]:
+    """The recipe for pictures with one change at a time: static alone, at the configurations that it learnt from.
+
+    The last run of each budget trains `longer` times as long. Nothing here compares methods.
+    """
+    settings = load_profile(profile)
+    specs = []
+    for budget in timesteps:
+        recipe = settings.recipe("rgb", budget)
+        changes = [*RECIPE_CHANGES.values(), {"gradient_steps": longer * recipe.gradient_steps}]
+        protocol, factors = ("sparse", "object") if budget == min(timesteps) else ("random", "all")
+        collection = Collection(task="pick-place", method="static", timesteps=budget, observation="rgb",
+                                image_size=settings.image_size, factors=factors, protocol=protocol)
+        specs += [RunSpec(task="pick-place", seed=0, training=recipe.model_copy(update=change), collection=collection,
+                          evaluation=Evaluation(layout="own", episodes=episodes)) for change in changes]
+    return specs
+
+
 @checked
 def rollouts(
     profile: str = "laptop", observation: Observation = "rgb", task: str = "pick-place", timesteps: Count = 20_000,
