@@ -159,6 +159,22 @@ def task_rates(table: pd.DataFrame, controls: pd.DataFrame, ax: Axes) -> None:
     ax.set(ylabel="success rate", ylim=(-0.03, 1.05))
 
 
+def against_minutes(table: pd.DataFrame, ax: Axes) -> None:
+    """Success against the minutes of training, one labelled point a row, with intervals.
+
+    Args:
+        table: as `move.report.tables.recipe_table` gives it.
+    """
+    for row in table.itertuples():
+        colour = "black" if row.change == "chosen" else "#777777"
+        ax.errorbar(row.train_minutes, row.value, [[row.value - row.low], [row.high - row.value]], fmt="o", ms=4, lw=1,
+                    capsize=1.5, color=colour)
+        ax.annotate(row.change, (row.train_minutes, row.value), xytext=(4, -8), textcoords="offset points", fontsize=6,
+                    color=colour)
+    ax.set(xlabel="core-minutes of training", ylabel="success at its own places", ylim=(0, 1.05))
+    ax.margins(x=0.25)
+
+
 def costs(table: pd.DataFrame, value: str, paper: dict[str, float], ax: Axes) -> None:
     """Mean over the tasks of `value` for each method, one bar an expert, single tasks as dots, the paper dotted.
 

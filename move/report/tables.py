@@ -11,6 +11,7 @@ from move.sim.configuration import Disc
 from move.sim.task import kept_share
 from move.sim.tasks import TASKS
 from move.study import paper
+from move.study.experiments import recipe_change
 from move.study.profiles import load_profile
 from move.study.results import Result
 from move.study.statistics import difference, mean_difference, success_rate
@@ -113,6 +114,20 @@ def run_costs(results: list[Result]) -> pd.DataFrame:
 def with_paper(table: pd.DataFrame, values: dict[str, float]) -> pd.DataFrame:
     """`table` with a column `paper`: the paper's value for each method, NaN where it has none."""
     return table.assign(paper=table.method.map(values))
+
+
+def recipe_table(results: list[Result], profile: str) -> pd.DataFrame:
+    """One row a run of the recipe's experiment: what was changed, minutes of training, success at its own places.
+
+    Columns timesteps, change, train_minutes (one core), loss (at the end), value, low, high, episodes.
+    """
+    rows = []
+    for result in results:
+        rate = success_rate(np.array([[row["success"] for row in result.rows]]))
+        rows.append({"timesteps": result.spec.collection.timesteps, "change": recipe_change(result.spec, profile),
+                     "train_minutes": result.seconds["train"] / 60, "loss": result.training["curve"][-1][1],
+                     "value": rate.value, "low": rate.low, "high": rate.high, "episodes": rate.episodes})
+    return pd.DataFrame(rows)
 
 
 def collection_costs(results: list[Result]) -> pd.DataFrame:

@@ -130,6 +130,15 @@ RECIPE_CHANGES: dict[str, dict[str, Any]] = {
 """What the recipe for pictures was measured against: one change at a time."""
 
 
+def recipe_change(spec: RunSpec, profile: str) -> str:
+    """What a run of `table_recipe` changes about the recipe that the profile has for its data."""
+    recipe = load_profile(profile).recipe("rgb", spec.collection.timesteps)
+    for name, change in RECIPE_CHANGES.items():
+        if spec.training == recipe.model_copy(update=change):
+            return name
+    return f"{spec.training.gradient_steps / recipe.gradient_steps:.0f} times as long"
+
+
 @checked
 def table_recipe(
     profile: str = "laptop", timesteps: tuple[Count, ...] = (7000, 20_000), episodes: Count = 60,
@@ -239,6 +248,7 @@ EXPERIMENTS: dict[str, Callable[..., list[RunSpec]]] = {
     "fig5_circle": fig5_circle,
     "table1_spatial_factors": table1_spatial_factors,
     "table2_main": table2_main,
+    "table_recipe": table_recipe,
     "rollouts": rollouts,
     "keypoint_control": keypoint_control,
     "table6_collection": table6_collection,
