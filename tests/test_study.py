@@ -3,6 +3,7 @@
 import json
 import os
 import stat
+import subprocess
 
 import numpy as np
 import pytest
@@ -85,6 +86,17 @@ def test_methods_of_a_figure_differ_in_nothing_but_the_method():
 
 
 # results -------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.skipif(not (paths.ROOT / ".git").exists() or (paths.ROOT / ".git" / "shallow").exists(),
+                    reason="needs the whole history of a git checkout")
+def test_every_shipped_result_names_a_commit_of_this_history():
+    """A commit that was amended away could not be looked up by a reader who doubts a number."""
+    named = {json.loads(path.read_text())["provenance"]["commit"] for path in (paths.ROOT / "results").glob("*/*.json")}
+    assert named
+    for commit in named:
+        found = subprocess.run(["git", "merge-base", "--is-ancestor", commit, "HEAD"], cwd=paths.ROOT)
+        assert found.returncode == 0, commit
 
 
 def test_a_result_comes_back_as_it_was_stored(stored):
