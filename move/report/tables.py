@@ -135,13 +135,14 @@ def recipe_table(results: list[Result], profile: str) -> pd.DataFrame:
     Columns timesteps, change, train_minutes (one core), loss (mean of the last fiftieth of the steps), value, low,
     high, episodes; gain, gain_low, gain_high: success minus the chosen recipe's, paired, NaN where that is missing.
     """
-    chosen = {result.spec.collection.timesteps: result for result in results
-              if recipe_change(result.spec, profile) == "chosen"}
+    runs = [(result, result.spec.collection.timesteps, recipe_change(result.spec, profile)) for result in results]
+    chosen = {timesteps: _outcomes(result) for result, timesteps, change in runs if change == "chosen"}
     rng, rows = np.random.default_rng(0), []
-    for result in results:
-        rate, reference = success_rate(_outcomes(result)), chosen.get(result.spec.collection.timesteps)
-        gain = (np.nan,) * 3 if reference is None else difference(_outcomes(result), _outcomes(reference), rng)
-        rows.append({"timesteps": result.spec.collection.timesteps, "change": recipe_change(result.spec, profile),
+    for result, timesteps, change in runs:
+        outcomes = _outcomes(result)
+        rate = success_rate(outcomes)
+        gain = difference(outcomes, chosen[timesteps], rng) if timesteps in chosen else (np.nan,) * 3
+        rows.append({"timesteps": timesteps, "change": change,
                      "train_minutes": result.seconds["train"] / 60, "loss": result.training["curve"][-1][1],
                      "value": rate.value, "low": rate.low, "high": rate.high, "episodes": rate.episodes,
                      **dict(zip(("gain", "gain_low", "gain_high"), gain, strict=True))})
