@@ -266,10 +266,11 @@ def test_a_wrong_profile_is_one_clear_line(profile_folder, old, new, message):
 
 
 def test_more_data_are_trained_on_for_more_steps_and_little_data_not_for_fewer():
-    profile = profiles.Profile(purpose="test", training={"keypoints": TINY}, epochs={"keypoints": 2.0}, notebooks={})
-    assert profile.recipe("keypoints", 8).gradient_steps == TINY.gradient_steps == 5
-    assert profile.recipe("keypoints", 81).gradient_steps == 21  # 162 windows in batches of 8
-    assert profile.recipe("keypoints", 81).model_copy(update={"gradient_steps": 5}) == TINY
+    profile = profiles.Profile(purpose="test", training={"keypoints": TINY}, notebooks={},
+                               gradient_steps={"keypoints": {100: 5, 200: 25}})
+    steps = {budget: profile.recipe("keypoints", budget).gradient_steps for budget in (8, 100, 150, 200, 400)}
+    assert steps == {8: 5, 100: 5, 150: 15, 200: 25, 400: 50}
+    assert profile.recipe("keypoints", 400).model_copy(update={"gradient_steps": TINY.gradient_steps}) == TINY
     with pytest.raises(BadInput, match="this profile has keypoints"):
         profile.recipe("rgb", 8)
 

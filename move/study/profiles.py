@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from typing import Any
 
+import numpy as np
 import yaml
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, PositiveInt, ValidationError
 
 from move.errors import BadInput
 from move.learn.settings import Training
@@ -22,8 +23,8 @@ class Profile(BaseModel):
     purpose: str = Field(description="one sentence that every picture of the profile carries")
     image_size: int = Field(96, ge=16, le=512, description="pixels along a side")
     training: dict[str, Training] = Field(description="the recipe for each observation, alike for all methods")
-    epochs: dict[str, float] = Field(
-        default_factory=dict, description="by observation: how often every window is drawn at least, on the mean"
+    gradient_steps: dict[str, dict[PositiveInt, PositiveInt]] = Field(
+        default_factory=dict, description="by observation: gradient steps for so many timesteps of data"
     )
     notebooks: dict[str, dict[str, Any]] = Field(description="parameters that differ from the notebook's own")
     without_gl: dict[str, dict[str, Any]] = Field(default_factory=dict, description="the same, where nothing can draw")
@@ -37,16 +38,20 @@ class Profile(BaseModel):
     def recipe(self, observation: str, timesteps: int) -> Training:
         """How policies that see `observation` are built and trained on so many timesteps.
 
-        The gradient steps are the recipe's, or more where the `epochs` over so much data take more.
+        Between two entries of `gradient_steps` its gradient steps lie on a straight line, above the last they grow in
+        proportion to the data, and below the first they stay. Without entries they are the recipe's own.
 
         Raises:
             BadInput: the profile has no such recipe.
         """
         if observation not in self.training:
             raise BadInput(f"observation: {observation!r} given; this profile has {', '.join(self.training)}")
-        recipe = self.training[observation]
-        for_all_data = math.ceil(self.epochs.get(observation, 0) * timesteps / recipe.batch_size)
-        return recipe.model_copy(update={"gradient_steps": max(recipe.gradient_steps, for_all_data)})
+        recipe, chosen = self.training[observation], sorted(self.gradient_steps.get(observation, {}).items())
+        if not chosen:
+            return recipe
+        budgets, steps = zip(*chosen, strict=True)
+        beyond = max(1.0, timesteps / budgets[-1])
+        return recipe.model_copy(update={"gradient_steps": math.ceil(beyond * np.interp(timesteps, budgets, steps))})
 
 
 def names() -> list[str]:
