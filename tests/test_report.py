@@ -160,8 +160,8 @@ def test_kept_shares_name_the_tasks_with_a_limited_reach():
 
 
 def test_the_recipes_table_compares_each_change_with_the_chosen_one():
-    specs = experiments.table_recipe(episodes=20)[:6]
-    outcomes = [[True] * 18 + [False] * 2, [False] * 20, *[[True] * 20] * 4]
+    specs = experiments.table_recipe(timesteps=(7000,), episodes=20)
+    outcomes = [[True] * 18 + [False] * 2, [False] * 20, *[[True] * 20] * (len(specs) - 2)]
     runs = [results.Result(spec, [{"trial": number, "group": "own", "success": success}
                                   for number, success in enumerate(successes)],
                            None, {"curve": [(100, 0.5), (200, 0.1)]}, {"train": 120.0}, {})

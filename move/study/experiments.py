@@ -37,6 +37,7 @@ def checked(experiment: Callable[..., list[RunSpec]]) -> Callable[..., list[RunS
 
 
 Count = Annotated[int, Field(gt=0, strict=True)]
+Multiple = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 Seeds = Annotated[int, Field(ge=0, strict=True)]
 Observation = Literal["rgb", "keypoints"]
 
@@ -126,6 +127,8 @@ RECIPE_CHANGES: dict[str, dict[str, Any]] = {
     "spatial softmax starts flat": {"softmax_gain": 1.0},
     "encoder learns from all frames": {"learning_frames": None},
     "32 channels": {"cnn_width": 32},
+    "learning rate 1e-3": {"learning_rate": 1e-3},
+    "learning rate 3e-3": {"learning_rate": 3e-3},
 }
 """What the recipe for pictures was measured against: one change at a time."""
 
@@ -136,23 +139,24 @@ def recipe_change(spec: RunSpec, profile: str) -> str:
     for name, change in RECIPE_CHANGES.items():
         if spec.training == recipe.model_copy(update=change):
             return name
-    return f"{spec.training.gradient_steps / recipe.gradient_steps:.0f} times as long"
+    return f"{spec.training.gradient_steps / recipe.gradient_steps:.2g} times as long"
 
 
 @checked
 def table_recipe(
     profile: str = "laptop", timesteps: tuple[Count, ...] = (7000, 20_000), episodes: Count = 60,
-    longer: Count = 3,
+    lengths: tuple[Multiple, ...] = (2 / 3, 3),
 ) -> list[RunSpec]:
     """The recipe for pictures with one change at a time: static alone, at the configurations that it learnt from.
 
-    The last run of each budget trains `longer` times as long. Nothing here compares methods. A profile whose policy
-    is not the small CNN has no `timesteps` for it.
+    The last runs of each budget train for the recipe's gradient steps times each of `lengths`. Nothing here compares
+    methods. A profile whose policy is not the small CNN has no `timesteps` for it.
     """
     settings, specs = load_profile(profile), []
     for budget in timesteps:
         recipe = settings.recipe("rgb", budget)
-        changes = [*RECIPE_CHANGES.values(), {"gradient_steps": longer * recipe.gradient_steps}]
+        changes = [*RECIPE_CHANGES.values(), *({"gradient_steps": round(length * recipe.gradient_steps)}
+                                               for length in lengths)]
         protocol, factors = ("sparse", "object") if budget == min(timesteps) else ("random", "all")
         collection = Collection(task="pick-place", method="static", timesteps=budget, observation="rgb",
                                 image_size=settings.image_size, factors=factors, protocol=protocol)
