@@ -185,8 +185,11 @@ def beside(table: pd.DataFrame, index: str, columns: str, value: str = "value") 
 
 
 def hyperparameters(profiles: list[str]) -> pd.DataFrame:
-    """Table 4: one row a hyperparameter, the profiles' recipes for pictures beside the paper's two columns."""
-    recipes = {name: load_profile(name).training["rgb"] for name in profiles}
+    """Table 4: one row a hyperparameter, the profiles' recipes for pictures beside the paper's two columns.
+
+    The recipes are those for Pick-Place's budget of table 5.
+    """
+    recipes = {name: load_profile(name).recipe("rgb", TASKS["pick-place"].timesteps) for name in profiles}
     rows = {
         "prediction horizon": "prediction_horizon", "action horizon": "action_horizon",
         "observation horizon": "observation_horizon", "gradient steps": "gradient_steps", "batch size": "batch_size",
