@@ -9,6 +9,7 @@ import numpy as np  # noqa: E402
 import pandas as pd  # noqa: E402
 import pytest  # noqa: E402
 
+from move import paths  # noqa: E402
 from move.report import page, plots, style, tables  # noqa: E402
 from move.sim.collect import Collection  # noqa: E402
 from move.sim.configuration import Disc  # noqa: E402
@@ -149,6 +150,13 @@ def test_table_4_agrees_with_the_paper_where_it_should():
                  "denoising steps in inference", "batch size"):
         assert table.loc[name, "paper"] == table.loc[name, "paper, simulation"]
     assert table.loc["gradient steps", "paper"] == "220000"
+
+
+def test_the_shipped_table_4_is_that_of_the_profiles():
+    shipped = pd.read_csv(paths.figures("laptop") / "table4_hyperparameters.csv", dtype=str, keep_default_na=False)
+    drawn = tables.hyperparameters(["laptop", "paper"])
+    told = {name: shipped[name].tolist() == drawn[name].tolist() for name in drawn}
+    assert told == dict.fromkeys(drawn, True)
 
 
 def test_kept_shares_name_the_tasks_with_a_limited_reach():
