@@ -273,6 +273,9 @@ def test_more_data_are_trained_on_for_more_steps_and_little_data_not_for_fewer()
     assert profile.recipe("keypoints", 400).model_copy(update={"gradient_steps": TINY.gradient_steps}) == TINY
     with pytest.raises(BadInput, match="this profile has keypoints"):
         profile.recipe("rgb", 8)
+    for wrong in ({"keypoints": {100: 6}}, {"keypoints": {}}, {"rgb": {100: 5}}):
+        with pytest.raises(ValueError, match="smallest budget must have what training has"):
+            profiles.Profile(purpose="test", training={"keypoints": TINY}, notebooks={}, gradient_steps=wrong)
 
 
 def test_unknown_profiles_and_figures_are_refused():

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 import yaml
-from pydantic import BaseModel, ConfigDict, Field, PositiveInt, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, PositiveInt, ValidationError, model_validator
 
 from move.errors import BadInput
 from move.learn.settings import Training
@@ -29,6 +29,14 @@ class Profile(BaseModel):
     notebooks: dict[str, dict[str, Any]] = Field(description="parameters that differ from the notebook's own")
     without_gl: dict[str, dict[str, Any]] = Field(default_factory=dict, description="the same, where nothing can draw")
     minutes: dict[str, float] = Field(default_factory=dict, description="core-minutes of a run, by observation")
+
+    @model_validator(mode="after")
+    def _steps_begin_with_the_recipes_own(self) -> Self:
+        for observation, steps in self.gradient_steps.items():
+            own = self.training[observation].gradient_steps if observation in self.training else "no such recipe"
+            if not steps or steps[min(steps)] != own:
+                raise ValueError(f"gradient_steps {observation}: smallest budget must have what training has, {own}")
+        return self
 
     def parameters(self, notebook: str) -> dict[str, Any]:
         """What this profile changes in `notebook`, on this machine."""
