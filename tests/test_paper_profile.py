@@ -61,7 +61,7 @@ def test_a_run_of_each_kind_passes_from_end_to_end(name, tmp_path, monkeypatch):
     if spec.training:
         curve = result.training["curve"]
         assert [step for step, _ in curve] == [1, 2, 3] and all(loss > 0 for _, loss in curve)
-        policy = load_policy(tmp_path / "runs" / spec.hash / "policy")
+        policy = load_policy(tmp_path / "runs" / spec.policy_hash / "policy")
         assert policy.training_settings == spec.training and result.training["parameters"] > 10_000_000
         shutil.rmtree(tmp_path / "runs")  # a gigabyte
 

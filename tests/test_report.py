@@ -167,6 +167,22 @@ def test_kept_shares_name_the_tasks_with_a_limited_reach():
 # differences ---------------------------------------------------------------------------------------------------------
 
 
+def test_the_gap_is_what_a_policy_loses_away_from_where_it_learnt():
+    outcomes = {("static", "own"): [1, 1, 1, 0], ("static", "random"): [1, 0, 0, 0], ("move", "random"): [1, 1, 0, 0]}
+    episodes = pd.DataFrame([{"task": "push", "method": method, "group": group, "seed": 0, "trial": trial,
+                              "success": success}
+                             for (method, group), successes in outcomes.items()
+                             for trial, success in enumerate(successes)])
+    rates = tables.rate_table(episodes, ["task", "method", "group"])
+    wide = tables.own_and_elsewhere(rates).set_index("method")
+    assert wide.loc["static", ["own", "elsewhere", "gap"]].tolist() == [0.75, 0.25, 0.5]
+    assert np.isnan(wide.loc["move"].gap) and wide.loc["move"].elsewhere == 0.5
+    _, ax = plt.subplots()
+    plots.own_and_elsewhere(rates, ax)
+    hollow = [line for line in ax.get_lines() if line.get_marker() == "o" and line.get_mfc() == "white"]
+    assert [line.get_ydata()[0] for line in hollow] == [0.75]  # and none for MOVE, whose own is missing
+
+
 def test_the_recipes_table_compares_each_change_with_the_chosen_one():
     specs = experiments.table_recipe(timesteps=(7000,), episodes=20)
     outcomes = [[True] * 18 + [False] * 2, [False] * 20, *[[True] * 20] * (len(specs) - 2)]

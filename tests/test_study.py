@@ -17,10 +17,11 @@ from move.learn.train import train
 from move.report import notebooks, page
 from move.sim.collect import Collection, collect, first_configurations
 from move.sim.configuration import SpatialConfiguration
-from move.sim.scene import Scene
+from move.sim.scene import EPISODE_STEPS, Scene
 from move.sim.tasks import get_task
 from move.study import execute, experiments, paper, policies, profiles, results, run
-from move.study.plan import plan_rows
+from move.study.plan import TRIAL_MINUTES, plan_rows
+from move.study.profiles import load_profile
 from move.study.spec import RunSpec
 
 TASK = get_task("pick-place")
@@ -217,10 +218,24 @@ def test_an_interrupted_run_goes_on_and_ends_the_same(tmp_path, monkeypatch):
 
 def test_a_damaged_checkpoint_is_not_gone_on_from(tmp_path, stored):
     result, _ = stored
-    scratch = tmp_path / "scratch" / result.spec.hash / "policy"
+    scratch = tmp_path / "scratch" / result.spec.policy_hash / "policy"
     scratch.mkdir(parents=True)
     (scratch / "run.json").write_text("{")
     assert run.run(result.spec, tmp_path / "again", scratch=tmp_path / "scratch").rows == result.rows
+
+
+def test_runs_that_differ_in_their_evaluation_share_a_training(tmp_path, stored, monkeypatch):
+    spec = stored[0].spec.model_copy(update={"evaluation": Evaluation(layout="own", episodes=1)})
+    alone = run.run(spec, tmp_path / "alone", scratch=tmp_path / "elsewhere")
+    monkeypatch.setattr("move.learn.train.Trainer.take_step", lambda self: 1 / 0)
+    shared = run.run(spec, tmp_path / "shared")
+    assert shared.rows == alone.rows and shared.seconds["train"] == stored[0].seconds["train"]
+
+
+def test_processes_that_want_the_same_policy_at_once_both_end(tmp_path):
+    specs = [tiny_spec(evaluation=Evaluation(episodes=count)) for count in (1, 2)]
+    there, missing = execute.execute(specs, tmp_path, workers=2, quiet=True)
+    assert not missing and there[0].training["curve"] == there[1].training["curve"]
 
 
 def test_processes_compute_what_this_process_would(tmp_path):
@@ -289,6 +304,15 @@ def test_the_plan_counts_what_is_missing():
     specs = experiments.specs("fig1_sparse", "smoke")
     row = plan_rows("smoke", {"fig1_sparse": specs})[0]
     assert row["runs"] == len(specs) == row["stored"] + row["missing"]
+
+
+def test_the_plan_counts_a_shared_training_once(tmp_path, monkeypatch):
+    monkeypatch.setattr("move.study.plan.results", lambda profile: tmp_path)
+    table_2 = [spec for spec in experiments.specs("table2_main", "laptop") if spec.observation == "rgb"]
+    rows = plan_rows("laptop", {"table 2": table_2, "gap": experiments.specs("generalization_gap", "laptop")})
+    minutes = load_profile("laptop").minutes["rgb"]
+    assert rows[0]["hours_left"] == pytest.approx(30 * minutes / 60, abs=0.01)
+    assert rows[1]["missing"] == 60 and rows[1]["hours_left"] == pytest.approx(30 * TRIAL_MINUTES / 60, abs=0.01)
 
 
 # evaluation ----------------------------------------------------------------------------------------------------------
@@ -390,6 +414,16 @@ def test_the_recipe_that_is_judged_is_the_one_of_the_figures():
             assert spec.training == chosen[spec.collection.timesteps]
 
 
+def test_the_generalization_gap_tries_the_policies_of_table_2_where_they_learnt():
+    specs = experiments.specs("generalization_gap", "laptop")
+    elsewhere, own = specs[: len(specs) // 2], specs[len(specs) // 2 :]
+    table_2 = [spec for spec in experiments.specs("table2_main", "laptop") if spec.observation == "rgb"]
+    assert {spec.hash for spec in elsewhere} == {spec.hash for spec in table_2} == {spec.policy_hash for spec in own}
+    assert {spec.evaluation.layout for spec in own} == {"own"}
+    for spec in own:
+        assert spec.evaluation.episodes <= max(1, spec.collection.timesteps // EPISODE_STEPS)
+
+
 @pytest.mark.parametrize(("figure", "protocol", "points"), [
     ("fig1_sparse", "sparse", "sparse"), ("fig3_dense", "dense", "none"), ("fig5_circle", "circle", "circle")])
 def test_the_preliminary_figures_follow_the_papers_protocol(figure, protocol, points):
@@ -401,10 +435,11 @@ def test_the_preliminary_figures_follow_the_papers_protocol(figure, protocol, po
     assert {spec.observation for spec in specs} == {"rgb"}
 
 
-def test_a_profile_without_the_small_cnn_leaves_the_recipes_notebook_out():
-    assert "table_recipe" in notebooks.of_profile("laptop")
-    for profile in ("paper", "laptop-keypoints"):
-        assert set(notebooks.names()) - set(notebooks.of_profile(profile)) == {"table_recipe"}
+def test_a_profile_leaves_the_notebooks_out_that_have_nothing_to_show_in_it():
+    assert set(notebooks.of_profile("laptop")) == set(notebooks.names())
+    assert set(notebooks.names()) - set(notebooks.of_profile("paper")) == {"table_recipe"}
+    left_out = set(notebooks.names()) - set(notebooks.of_profile("laptop-keypoints"))
+    assert left_out == {"table_recipe", "generalization_gap"}
     with pytest.raises(BadInput, match="profile paper: has no runs of this figure"):
         page.gather([], "paper")
 

@@ -154,6 +154,18 @@ def _outcomes(result: Result) -> np.ndarray:
     return np.array([[row["success"] for row in result.rows]], float)
 
 
+def own_and_elsewhere(rates: pd.DataFrame) -> pd.DataFrame:
+    """One row a task and method: the rate where the policy learnt, the rate elsewhere, and `gap`, what is lost.
+
+    Args:
+        rates: as `rate_table` gives them by task, method and group ("own" or "random"); a missing one becomes NaN.
+    """
+    keys = ["task", "method"]
+    wide = rates.pivot(index=keys, columns="group", values="value").reindex(columns=["own", "random"])
+    wide = rates[keys].drop_duplicates().join(wide, on=keys).rename(columns={"random": "elsewhere"})
+    return wide.assign(gap=wide.own - wide.elsewhere).reset_index(drop=True)
+
+
 def collection_costs(results: list[Result]) -> pd.DataFrame:
     """One row a task, method and expert: attempts, share that succeeded with its interval, mean steps of those.
 

@@ -17,6 +17,7 @@ from move.errors import BadInput
 from move.learn.evaluate import Evaluation
 from move.sim.collect import METHODS, Collection
 from move.sim.experts import EXPERTS
+from move.sim.scene import EPISODE_STEPS
 from move.sim.tasks import FACTORS, TASKS, get_task
 from move.study.profiles import first_problem, load_profile
 from move.study.spec import RunSpec
@@ -166,6 +167,31 @@ def table_recipe(
 
 
 @checked
+def generalization_gap(
+    profile: str = "laptop", tasks: tuple[str, ...] = tuple(TASKS), seeds: Seeds = 1, own_episodes: Count = 60,
+    episodes: Count = 100, most_timesteps: Count = 20_000,
+) -> list[RunSpec]:
+    """The policies of table 2 from pixels, tried where table 2 tries them and where their own demonstrations began.
+
+    A policy is trained once for both; the runs of table 2 come first. Of its own configurations no more are tried than
+    its budget is sure to hold.
+    """
+    evaluation = Evaluation(episodes=episodes)
+    runs = [
+        _policy(task.name, method, seed, profile, "rgb", min(task.timesteps, most_timesteps), evaluation)
+        for seed in range(seeds)
+        for method in METHODS
+        for task in map(get_task, tasks)
+    ]
+    return runs + [spec.model_copy(update={"evaluation": _own(spec, own_episodes)}) for spec in runs]
+
+
+def _own(spec: RunSpec, episodes: int) -> Evaluation:
+    sure = max(1, spec.collection.timesteps // EPISODE_STEPS)
+    return Evaluation(layout="own", episodes=min(episodes, sure))
+
+
+@checked
 def rollouts(
     profile: str = "laptop", observation: Observation = "rgb", task: str = "pick-place", timesteps: Count = 20_000,
     episodes: Count = 100,
@@ -253,6 +279,7 @@ EXPERIMENTS: dict[str, Callable[..., list[RunSpec]]] = {
     "table1_spatial_factors": table1_spatial_factors,
     "table2_main": table2_main,
     "table_recipe": table_recipe,
+    "generalization_gap": generalization_gap,
     "rollouts": rollouts,
     "keypoint_control": keypoint_control,
     "table6_collection": table6_collection,

@@ -21,25 +21,36 @@ from move.study.results import Result, split
 from move.study.spec import RunSpec
 
 CONTROL_MINUTES = 0.05
+TRIAL_MINUTES = 2.5  # to collect again and try a policy that is there, from pixels
 MEASURED_STEPS = 3
 
 
 def plan_rows(profile: str, figures: dict[str, list[RunSpec]]) -> list[dict[str, Any]]:
     """One row a figure: how many runs, how many stored, why the others are missing, and the hours they would take.
 
-    A profile without an estimate of its own has a gradient step measured here, which is slow without a GPU.
+    What several figures or runs share, a run or a policy, counts in the first of them. A profile without an estimate of
+    its own has a gradient step measured here, which is slow without a GPU.
     """
     settings, rows = load_profile(profile), []
+    runs: set[str] = set()
+    policies: set[str] = set()
     minutes = dict(settings.minutes)
     for figure, specs in figures.items():
         there, missing = split(specs, results(profile))
+        todo = {spec.hash: spec for spec, _ in missing if spec.hash not in runs}
+        hours = 0.0
+        for spec in todo.values():
+            trained = spec.training is not None and spec.policy_hash in policies
+            hours += (TRIAL_MINUTES if trained else _minutes(spec, there, minutes, settings)) / 60
+            policies.add(spec.policy_hash)
+        runs |= set(todo)
         reasons = Counter(why if why == "not computed yet" else "unusable result" for _, why in missing)
         rows.append({
             "figure": figure,
             "runs": len(specs),
             "stored": len(there),
             "missing": len(missing),
-            "hours_left": round(sum(_minutes(spec, there, minutes, settings) for spec, _ in missing) / 60, 2),
+            "hours_left": round(hours, 2),
             "why": "; ".join(f"{count} {why}" for why, count in reasons.items()) or "complete",
         })
     return rows

@@ -13,11 +13,11 @@ from move.study.spec import RunSpec
 
 
 def _shipped(spec: RunSpec, profile: str) -> Path:
-    return paths.results(profile) / "policies" / spec.hash
+    return paths.results(profile) / "policies" / spec.policy_hash
 
 
 def _trained_here(spec: RunSpec) -> Path:
-    return paths.RUNS / spec.hash / "policy"
+    return paths.RUNS / spec.policy_hash / "policy"
 
 
 def trained_policy(spec: RunSpec, profile: str) -> DiffusionPolicy:

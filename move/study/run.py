@@ -11,6 +11,7 @@ from itertools import islice
 from pathlib import Path
 
 import torch
+from filelock import FileLock
 
 from move.errors import BadInput
 from move.learn.diffusion import DiffusionPolicy
@@ -32,8 +33,9 @@ def run(
 ) -> Result:
     """Compute `spec` on one thread and store its result in `folder`; an interrupted training goes on.
 
-    Policies train and act on the GPU where there is one. Checkpoints go to `scratch`, by default build/runs/.
-    Demonstrations are not kept: the spec and the seed make the same ones again.
+    Policies train and act on the GPU where there is one. Checkpoints go to `scratch`, by default build/runs/; runs that
+    differ in their evaluation alone share one training there, whose time counts in the result of each. Demonstrations
+    are not kept: the spec and the seed make the same ones again.
     """
     torch.set_num_threads(1)
     report = on_progress or (lambda part, done, total: None)
@@ -83,17 +85,20 @@ def _player(
     demonstrations, record = collect(spec.collection, spec.seed, lambda done, total: report("collect", done, total))
     seconds["collect"] = time.perf_counter() - started
 
-    checkpoint = scratch / spec.hash / "policy"
+    place = scratch / spec.policy_hash
+    checkpoint = place / "policy"
 
     def go_on() -> tuple[DiffusionPolicy, TrainingReport]:
         return train(demonstrations, spec.training, spec.seed, checkpoint=checkpoint, device=best_device(),
                      on_step=lambda done, total, loss: report("train", done, total))
 
-    try:
-        policy, trained = go_on()
-    except BadInput:  # the scratch folder holds another version's checkpoint, or a damaged one: begin anew
-        shutil.rmtree(checkpoint)
-        policy, trained = go_on()
+    place.mkdir(parents=True, exist_ok=True)
+    with FileLock(place / "lock"):  # whoever else tries this policy waits, and finds it trained
+        try:
+            policy, trained = go_on()
+        except BadInput:  # the scratch folder holds another version's checkpoint, or a damaged one: begin anew
+            shutil.rmtree(checkpoint)
+            policy, trained = go_on()
     seconds["train"] = trained.seconds
     return PolicyPlayer(policy, spec.seed), asdict(record), asdict(trained)
 

@@ -53,6 +53,11 @@ class RunSpec(BaseModel):
         return hashlib.sha256(canonical.encode()).hexdigest()[:16]
 
     @property
+    def policy_hash(self) -> str:
+        """The hash of the run that tries the same policy as `Evaluation()` says: alike where only the trial differs."""
+        return self.model_copy(update={"evaluation": Evaluation()}).hash
+
+    @property
     def observation(self) -> str:
         """What the player sees: "keypoints", "rgb", or "none" for a control."""
         return self.collection.observation if self.collection else "none"
