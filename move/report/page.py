@@ -34,7 +34,9 @@ class Gathered:
                        else spec.observation for spec in trained})
         budgets = sorted({spec.collection.timesteps for spec in trained})
         seeds = len({result.spec.seed for result in self.results})
-        minutes = sum(sum(result.seconds.values()) for result in self.results) / 60
+        seconds = {(part, result.spec.policy_hash if part == "train" else result.spec.hash): spent
+                   for result in self.results for part, spent in result.seconds.items()}  # runs may share a training
+        minutes = sum(seconds.values()) / 60
         parts = [", ".join(seen), ", ".join(f"{budget:,}" for budget in budgets) + " timesteps"] if trained else []
         parts += [f"{seeds} seed{'s' * (seeds != 1)}",
                   f"{len(self.results)} runs, {minutes:.0f} minutes in all, one core each"]

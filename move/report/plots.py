@@ -169,13 +169,14 @@ def own_and_elsewhere(table: pd.DataFrame, ax: Axes) -> None:
     """
     tasks, methods = list(table.task.unique()), [name for name in COLOURS if name in set(table.method)]
     shifts = dict(zip(methods, np.linspace(-0.24, 0.24, len(methods)) * (len(methods) > 1), strict=True))
+    aside = {"own": -0.05, "random": 0.05}
     for (task, method), rows in table.groupby(["task", "method"], sort=False):
         place = tasks.index(task) + shifts[method]
-        ax.plot([place] * len(rows), rows.value, color=COLOURS[method], lw=2, alpha=0.35)
+        ax.plot([place + aside[group] for group in rows.group], rows.value, color=COLOURS[method], lw=2, alpha=0.35)
         for row in rows.itertuples():
             filling, where = ("white", "where it learnt") if row.group == "own" else (COLOURS[method], "elsewhere")
-            ax.errorbar(place, row.value, [[row.value - row.low], [row.high - row.value]], fmt="o", ms=3.5, lw=0.8,
-                        capsize=1.5, color=COLOURS[method], mfc=filling,
+            ax.errorbar(place + aside[row.group], row.value, [[row.value - row.low], [row.high - row.value]], fmt="o",
+                        ms=3.5, lw=0.8, capsize=1.5, color=COLOURS[method], mfc=filling,
                         label=f"{NAMES[method]}, {where}" if task == tasks[0] else None)
     ax.set_xticks(range(len(tasks)), [TASKS[task].title for task in tasks], rotation=25, ha="right")
     ax.set(ylabel="success rate", ylim=(-0.03, 1.05))
