@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import imageio.v3 as imageio
 import numpy as np
 
 from move.learn.diffusion import DiffusionPolicy
@@ -12,6 +11,7 @@ from move.learn.evaluate import PolicyPlayer, evaluate
 from move.sim.collect import Collection, attempts
 from move.sim.moving import Motions
 from move.sim.tasks import get_task
+from move.study.realworld.writing import write_video
 from move.study.spec import RunSpec
 
 FRAMES_PER_SECOND = 25  # two timesteps of three are shown at real speed
@@ -77,7 +77,6 @@ def strip(frames: np.ndarray, count: int) -> np.ndarray:
 
 
 def write_film(frames: np.ndarray, path: Path) -> Path:
-    """Write frames as a small MP4 (H.264)."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    imageio.imwrite(path, frames, plugin="pyav", codec="libx264", fps=FRAMES_PER_SECOND)
+    """Write frames (timesteps, height, width, 3) uint8 as a small MP4 (H.264)."""
+    write_video(path, frames, frames.shape[1:3], FRAMES_PER_SECOND, "yuv420p", {})
     return path
