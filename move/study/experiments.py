@@ -176,13 +176,9 @@ def generalization_gap(
     A policy is trained once for both; the runs of table 2 come first. Of its own configurations no more are tried than
     its budget is sure to hold.
     """
-    evaluation = Evaluation(episodes=episodes)
-    runs = [
-        _policy(task.name, method, seed, profile, "rgb", min(task.timesteps, most_timesteps), evaluation)
-        for seed in range(seeds)
-        for method in METHODS
-        for task in map(get_task, tasks)
-    ]
+    names = {get_task(task).name for task in tasks}
+    table_2 = table2_main(profile, seeds, 0, episodes, most_timesteps)
+    runs = [spec for spec in table_2 if spec.training and spec.task in names]
     return runs + [spec.model_copy(update={"evaluation": _own(spec, own_episodes)}) for spec in runs]
 
 

@@ -45,7 +45,7 @@ def write_video(path: Path, images: Iterable[np.ndarray], size: tuple[int, int],
                 options: Mapping[str, str]) -> None:
     """Write an H.264 video: the same images give the same file.
 
-    For that the encoder has one thread and no macroblock tree, whose sums differ from one time to the next.
+    For that the encoder has one thread and no macroblock tree, with which the same images did not always give it.
 
     Args:
         images: each (height, width, 3) uint8.
