@@ -94,7 +94,7 @@ def collect(
     content = {"path": str(path), "task": task, "method": method, **attributes["record"]}
     content["steps_per_second"] = record.attempts * record.mean_steps / record.seconds
     if not as_json:
-        del content["grasp_points"]
+        content = {name: value for name, value in content.items() if name not in ("grasp_points", "starts", "grasps")}
     show(content, as_json, "Demonstrations")
 
 

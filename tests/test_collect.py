@@ -126,7 +126,7 @@ def test_grasps_happen_at_the_prescribed_points(protocol, method):
     for index in range(3):
         episode = next(episodes)
         assert episode.succeeded
-        assert episode.grasped_at == pytest.approx(grasp_point(protocol, TASK, index, 5), abs=2e-3)
+        assert episode.grasp.object_position == pytest.approx(grasp_point(protocol, TASK, index, 5), abs=2e-3)
 
 
 def test_grasp_points_are_the_same_for_every_method_and_on_their_figure():

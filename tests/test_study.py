@@ -15,7 +15,7 @@ from move.errors import BadInput
 from move.learn.evaluate import Evaluation, Expert, Nothing, PolicyPlayer, Random, evaluate, trials
 from move.learn.train import train
 from move.report import notebooks, page
-from move.sim.collect import Collection, collect, first_configurations
+from move.sim.collect import Collection, collect
 from move.sim.configuration import SpatialConfiguration
 from move.sim.scene import EPISODE_STEPS, Scene
 from move.sim.tasks import get_task
@@ -365,14 +365,41 @@ def test_watching_some_episodes_shows_what_all_together_did():
 
 def test_a_policys_own_configurations_are_those_it_learnt_from():
     collection = Collection(task="pick-place", method="static", timesteps=400)
-    demonstrations, _ = collect(collection, seed=5)
-    own = first_configurations(collection, 5, demonstrations.episodes)
+    demonstrations, record = collect(collection, seed=5)
+    own = record.starts
     starts = np.concatenate([[0], demonstrations.episode_ends[:-1]])
     for configuration, start in zip(own, starts, strict=True):
         scene = Scene(TASK, "keypoints")
         scene.reset(options={"configuration": configuration})
         assert np.array_equal(scene.observe(), demonstrations.observations[start])
     assert [trial.configuration for trial in trials(TASK, Evaluation(layout="own"), own)] == own
+
+
+def test_an_attempt_that_was_discarded_is_no_configuration_that_a_policy_learnt_from():
+    collection = Collection(task="box-close", method="adc", timesteps=2000, expert="metaworld")
+    demonstrations, record = collect(collection, seed=0)
+    assert record.attempts > record.demonstrations == demonstrations.episodes
+    assert len(record.starts) == len(record.grasps) == record.demonstrations
+
+
+@pytest.mark.parametrize("method", ["static", "adc", "move"])
+def test_at_the_grasp_the_object_has_gone_where_the_method_takes_it(method):
+    _, record = collect(Collection(task="pick-place", method=method, timesteps=800), seed=5)
+    gone = [np.hypot(*np.subtract(grasp.object_position, start.object_position)[:2])
+            for start, grasp in zip(record.starts, record.grasps, strict=True)]
+    assert max(gone) == 0 if method == "static" else min(gone) > 0.01
+    assert all(start.hand_position == grasp.hand_position
+               for start, grasp in zip(record.starts, record.grasps, strict=True))
+
+
+def test_rows_hold_the_whole_configuration_that_was_tried():
+    evaluation = Evaluation(episodes=3)
+    for row, trial in zip(evaluate(Nothing(), TASK, evaluation), trials(TASK, evaluation), strict=True):
+        tried = trial.configuration
+        assert [row[f"hand_{axis}"] for axis in "xyz"] == list(tried.hand_position)
+        assert [row[f"target_{axis}"] for axis in "xyz"] == list(tried.target_position)
+        assert (row["object_z"], row["object_yaw"], row["camera_angle"]) == (
+            tried.object_position[2], tried.object_yaw, tried.camera_angle)
 
 
 # the figures' experiments --------------------------------------------------------------------------------------------

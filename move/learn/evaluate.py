@@ -35,8 +35,9 @@ class Evaluation(BaseModel):
 
     model_config = ConfigDict(frozen=True, strict=True, extra="forbid")
 
-    layout: Literal["random", "grid", "own"] = Field(
-        "random", description="random configurations, a grid over the object, or those that the policy learnt from"
+    layout: Literal["random", "grid", "own", "grasp"] = Field(
+        "random", description="random configurations, a grid over the object, or those of the policy's own "
+        'demonstrations: "own" as they began, "grasp" as they were when the object was grasped'
     )
     episodes: int = Field(100, gt=0, description="number of configurations, unless they are a grid")
     grid_side: int = Field(12, gt=0, description="cells along a side of the grid")
@@ -46,21 +47,21 @@ class Evaluation(BaseModel):
 
 @dataclass(frozen=True)
 class Trial:
-    """One configuration to be tried; `group` is "random", "own", "grid" or "point"."""
+    """One configuration to be tried; `group` is "random", "own", "grasp", "grid" or "point"."""
 
     group: str
     configuration: SpatialConfiguration
 
 
 def trials(task: Task, evaluation: Evaluation, own: Sequence[SpatialConfiguration] = ()) -> list[Trial]:
-    """The fixed list of configurations of a task and setting; for the layout "own" it is the list that is given.
+    """The fixed list of configurations of a task and setting; for "own" and "grasp" the list that is given.
 
     >>> from move.sim.tasks import get_task
     >>> len(trials(get_task("pick-place"), Evaluation(layout="grid", points="sparse")))
     153
     """
-    if evaluation.layout == "own":
-        return [Trial("own", configuration) for configuration in own]
+    if evaluation.layout in ("own", "grasp"):
+        return [Trial(evaluation.layout, configuration) for configuration in own]
     if evaluation.layout == "random":
         rng = np.random.default_rng([CONFIGURATION_STREAM, *task.name.encode()])
         return [Trial("random", task.sample(rng, evaluation.factors)) for _ in range(evaluation.episodes)]
@@ -218,14 +219,15 @@ def evaluate(
     Args:
         on_step: called with (episodes ended, episodes in all).
         together: how many episodes are stepped together.
-        own: the configurations of the layout "own".
+        own: the configurations of the layouts "own" and "grasp".
         only: numbers of the trials to be tried, the others are left out; by default all.
         watch: called with the trial's number and its scene at the start and after every step.
 
     Returns:
-        One row an episode: trial (number), group, object_x and object_y (metres), success (at least one successful
-        step, Meta-World's rule), success_steps (10 is the authors' rule for a demonstration), steps; for a task with a
-        strict condition strict_success as well.
+        One row an episode: trial (number), group, the whole configuration that was tried (as
+        `SpatialConfiguration.columns` names it), success (at least one successful step, Meta-World's rule),
+        success_steps (10 is the authors' rule for a demonstration), steps; for a task with a strict condition
+        strict_success as well.
     """
     listed, rows = trials(task, evaluation, own), []
     for first in range(0, len(listed), together):
@@ -285,7 +287,6 @@ def _execute(scene: Scene, actions: np.ndarray, successes: int, window: list[np.
 
 
 def _row(number: int, trial: Trial, scene: Scene, successes: int) -> dict:
-    x, y, _ = trial.configuration.object_position
-    row = {"trial": number, "group": trial.group, "object_x": x, "object_y": y, "success": successes > 0,
+    row = {"trial": number, "group": trial.group, **trial.configuration.columns(), "success": successes > 0,
            "success_steps": successes, "steps": scene.steps}
     return row | {"strict_success": scene.strict_steps > 0} if scene.task.strict_success else row

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import gymnasium
@@ -76,16 +76,28 @@ class CollectionRecord:
     generation_rate: float
     grasp_points: list[tuple[float, float]]  # metres, where each kept demonstration grasped the object
     seconds: float
+    starts: list[SpatialConfiguration]  # of the kept demonstrations, in order
+    grasps: list[SpatialConfiguration]  # the same demonstrations at the step of the grasp, or of the first touch
+
+    def content(self) -> dict:
+        """The record as JSON holds it; configurations in columns, to a micrometre and a microradian."""
+        return {**vars(self), "starts": _columns(self.starts), "grasps": _columns(self.grasps)}
+
+
+def _columns(configurations: list[SpatialConfiguration]) -> dict[str, list[float]]:
+    rows = [configuration.columns() for configuration in configurations]
+    return {name: [round(row[name], 6) for row in rows] for name in rows[0]}
 
 
 @dataclass(frozen=True)
 class Episode:
-    """One attempt: what was observed and done, whether it succeeded, where the object stood when grasped (metres)."""
+    """One attempt: what was observed and done, whether it succeeded, the scene at its start and when it grasped."""
 
     observations: list[np.ndarray]
     actions: list[np.ndarray]
     succeeded: bool
-    grasped_at: Vector | None
+    start: SpatialConfiguration
+    grasp: SpatialConfiguration | None  # None where nothing was grasped, or touched where a touch is enough
 
 
 def collecting_env(collection: Collection) -> gymnasium.Env:
@@ -110,15 +122,15 @@ def demonstrate(env: gymnasium.Env, expert: Expert, seed: int, options: dict) ->
     scene: Scene = env.unwrapped
     observation, _ = env.reset(seed=seed, options=options)
     expert.reset()
-    observations, actions, successes, grasped_at = [], [], 0, None
+    observations, actions, successes, start, grasp = [], [], 0, scene.configuration, None
     while len(actions) < EPISODE_STEPS and successes < SUCCESS_STEPS:
         observations.append(observation)
         actions.append(expert.action(scene))
         observation, _, _, _, info = env.step(actions[-1])
         successes += info["success"]
-        if grasped_at is None and info["phase"] == "place":
-            grasped_at = scene.configuration.object_position
-    return Episode(observations, actions, successes >= SUCCESS_STEPS, grasped_at)
+        if grasp is None and info["phase"] == "place":
+            grasp = scene.configuration
+    return Episode(observations, actions, successes >= SUCCESS_STEPS, start, grasp)
 
 
 def attempts(collection: Collection, seed: int, env: gymnasium.Env | None = None) -> Iterator[Episode]:
@@ -148,20 +160,11 @@ def _start(collection: Collection, task: Task, point: Vector | None) -> dict:
     return {"configuration": replace(task.fixed, object_position=point)}
 
 
-def first_configurations(collection: Collection, seed: int, count: int) -> list[SpatialConfiguration]:
-    """What the first `count` attempts of a collection begin with; for static collection also what they end with."""
-    task, found = get_task(collection.task), []
-    scene = Scene(task, "keypoints")
-    for attempt in range(count):
-        point = grasp_point(collection.protocol, task, attempt, seed)
-        scene.reset(seed=attempt_seed(seed, attempt), options=_start(collection, task, point))
-        found.append(scene.configuration)
-    return found
-
-
 def _grasped_there(episode: Episode, point: Vector) -> bool:
-    at = episode.grasped_at
-    return at is not None and np.hypot(at[0] - point[0], at[1] - point[1]) <= GRASP_TOLERANCE
+    if episode.grasp is None:
+        return False
+    x, y, _ = episode.grasp.object_position
+    return bool(np.hypot(x - point[0], y - point[1]) <= GRASP_TOLERANCE)
 
 
 def collect(
@@ -196,8 +199,10 @@ def collect(
         timesteps=collection.timesteps,
         mean_steps=total / len(episodes),
         generation_rate=len(episodes) / tried,
-        grasp_points=[episode.grasped_at[:2] for episode in episodes if episode.grasped_at],
+        grasp_points=[episode.grasp.object_position[:2] for episode in episodes],
         seconds=time.perf_counter() - started,
+        starts=[episode.start for episode in episodes],
+        grasps=[episode.grasp for episode in episodes],
     )
     return _join(episodes, collection.timesteps), record
 
@@ -212,4 +217,4 @@ def _join(episodes: list[Episode], budget: int) -> Demonstrations:
 
 def record_attributes(collection: Collection, seed: int, record: CollectionRecord) -> dict:
     """What is stored beside a data set: how it was made and what it cost."""
-    return {"collection": collection.model_dump(), "seed": seed, "record": asdict(record)}
+    return {"collection": collection.model_dump(), "seed": seed, "record": record.content()}

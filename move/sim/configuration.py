@@ -87,6 +87,13 @@ class SpatialConfiguration:
     camera_angle: float
     object_yaw: float = 0.0
 
+    def columns(self) -> dict[str, float]:
+        """One number a column: object_x ... hand_z in metres, object_yaw and camera_angle in radians."""
+        parts = {"object": self.object_position, "target": self.target_position, "hand": self.hand_position}
+        columns = {f"{name}_{axis}": float(value)
+                   for name, position in parts.items() for axis, value in zip("xyz", position, strict=True)}
+        return columns | {"object_yaw": float(self.object_yaw), "camera_angle": float(self.camera_angle)}
+
 
 def reflect(value: float, low: float, high: float) -> float:
     """Fold `value` into [low, high] as a point that moves on a line and bounces at both ends.

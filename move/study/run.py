@@ -18,7 +18,7 @@ from move.learn.diffusion import DiffusionPolicy
 from move.learn.evaluate import CONTROLS, Player, PolicyPlayer, evaluate
 from move.learn.train import TrainingReport, best_device, train
 from move.paths import RUNS
-from move.sim.collect import attempts, collect, first_configurations
+from move.sim.collect import CollectionRecord, attempts, collect
 from move.sim.tasks import get_task
 from move.study.provenance import provenance
 from move.study.results import Result, store
@@ -44,8 +44,9 @@ def run(
     if spec.player == "collector":
         rows = _count_attempts(spec, report, seconds)
     else:
-        player, collected, trained = _player(spec, report, seconds, scratch or RUNS)
-        rows = _evaluate(spec, player, report, seconds)
+        player, record, trained = _player(spec, report, seconds, scratch or RUNS)
+        rows = _evaluate(spec, player, record, report, seconds)
+        collected = record.content() if record else None
     result = Result(spec, rows, collected, trained, {part: round(value, 2) for part, value in seconds.items()},
                     provenance(draws=spec.observation == "rgb"))
     store(result, folder)
@@ -62,12 +63,14 @@ def _count_attempts(spec: RunSpec, report: OnProgress, seconds: dict[str, float]
     return rows
 
 
-def _evaluate(spec: RunSpec, player: Player, report: OnProgress, seconds: dict[str, float]) -> list[dict]:
+def _evaluate(
+    spec: RunSpec, player: Player, record: CollectionRecord | None, report: OnProgress, seconds: dict[str, float]
+) -> list[dict]:
     started = time.perf_counter()
-    learnt_from = spec.evaluation.layout == "own"
+    own = {"own": record.starts, "grasp": record.grasps}.get(spec.evaluation.layout, []) if record else []
     rows = evaluate(
         player, get_task(spec.task), spec.evaluation,
-        own=first_configurations(spec.collection, spec.seed, spec.evaluation.episodes) if learnt_from else (),
+        own=own[: spec.evaluation.episodes],
         observation=spec.collection.observation if spec.collection else "keypoints",
         image_size=spec.collection.image_size if spec.collection else 96,
         on_step=lambda done, total: report("evaluate", done, total),
@@ -78,7 +81,7 @@ def _evaluate(spec: RunSpec, player: Player, report: OnProgress, seconds: dict[s
 
 def _player(
     spec: RunSpec, report: OnProgress, seconds: dict[str, float], scratch: Path
-) -> tuple[Player, dict | None, dict | None]:
+) -> tuple[Player, CollectionRecord | None, dict | None]:
     if spec.player != "policy":
         return CONTROLS[spec.player](spec.seed), None, None
     started = time.perf_counter()
@@ -100,7 +103,7 @@ def _player(
             shutil.rmtree(checkpoint)
             policy, trained = go_on()
     seconds["train"] = trained.seconds
-    return PolicyPlayer(policy, spec.seed), asdict(record), asdict(trained)
+    return PolicyPlayer(policy, spec.seed), record, asdict(trained)
 
 
 def run_and_report(spec: RunSpec, folder: Path) -> str:

@@ -39,8 +39,9 @@ class RunSpec(BaseModel):
         if needed != (self.collection is not None, self.training is not None):
             raise ValueError(f"player {self.player!r}: a policy has a collection and a training, a collector a "
                              "collection only, a control neither")
-        if self.evaluation.layout == "own" and self.player != "policy":
-            raise ValueError(f"player {self.player!r} learnt from nothing; layout 'own' is for policies")
+        if self.evaluation.layout in ("own", "grasp") and self.player != "policy":
+            raise ValueError(f"player {self.player!r} learnt from nothing; layout {self.evaluation.layout!r} is for "
+                             "policies")
         if self.collection and self.collection.task != self.task:
             raise ValueError(f"task {self.task!r} but a collection of {self.collection.task!r}")
         return self
