@@ -22,7 +22,7 @@ $(READY): environment.lock environment-cuda.lock pyproject.toml tools/install.py
 	@$(PYTHON) -c 'import sys; sys.exit(None if sys.version_info[:2] == (3, 11) else "make: Python 3.11 is needed; name it with make PYTHON=...")'
 	$(PYTHON) -m venv --clear .venv
 	$(BIN)/python tools/install.py
-	@$(BIN)/python -c 'import move.sim.observe as o; p = o.gl_problem(); p and print(p)'
+	@$(BIN)/python -c 'from move.machine import gl_problem as g; p = g(); p and print(p)'
 	@touch $@
 
 figures: $(READY)  ## run what is missing, then every notebook: all figures and tables

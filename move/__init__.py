@@ -5,7 +5,7 @@ Importing the package makes its scenes known to Gymnasium as MOVE/<task>-v0.
 
 import gymnasium
 
-from move.sim.observe import choose_gl
+from move.machine import choose_gl
 from move.sim.tasks import TASKS
 
 choose_gl()

@@ -9,9 +9,9 @@ import recipes
 from move.learn import evaluate as evaluating
 from move.learn.evaluate import Evaluation
 from move.learn.train import train
+from move.machine import gl_problem
 from move.report import film
 from move.sim.collect import Collection, collect
-from move.sim.observe import gl_problem
 from move.sim.tasks import get_task
 from move.study import coverage
 from move.study.spec import RunSpec

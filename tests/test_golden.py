@@ -58,5 +58,5 @@ def test_trials_stay(layout: str, points: str, factors: str) -> None:
 
 def test_rows_stay() -> None:
     rows = evaluate(Expert("phase"), get_task("pick-place"), Evaluation(episodes=20))
-    kept = ("trial", "group", "object_x", "object_y", "success", "success_steps", "steps")  # what the first results hold
+    kept = ("trial", "group", "object_x", "object_y", "success", "success_steps", "steps")
     assert digest(json.dumps([{name: row[name] for name in kept} for row in rows]).encode()) == PLAYED

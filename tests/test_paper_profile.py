@@ -8,7 +8,7 @@ import torch
 from move.learn import evaluate
 from move.learn.checkpoint import load_policy
 from move.learn.evaluate import Evaluation
-from move.sim.observe import gl_problem
+from move.machine import gl_problem
 from move.study import experiments, plan, results, run
 from move.study.profiles import load_profile
 from move.study.spec import RunSpec

@@ -9,11 +9,11 @@ from dataclasses import asdict, dataclass
 import numpy as np
 import pandas as pd
 
-from move.study.paper import REAL_SIZES_TIMESTEPS, TABLE6_REAL_MEAN_TIMESTEPS
-from move.study.realworld.dataset import RobotDataSet
-from move.study.realworld.episode import RobotEpisode
-from move.study.realworld.piper import flange_pose
-from move.study.realworld.units import outside_limits
+from move.paper import REAL_SIZES_TIMESTEPS, TABLE6_REAL_MEAN_TIMESTEPS
+from move.realworld.dataset import RobotDataSet
+from move.realworld.episode import RobotEpisode
+from move.realworld.piper import flange_pose
+from move.realworld.units import outside_limits
 
 OUTCOMES = ("pass", "differs", "fail", "not checked")
 

@@ -3,8 +3,8 @@
 dataset.py   open_dataset: the one way in
 hub.py       list a repository, cap its size, fetch chosen files of one commit
 detect.py    which layouts a list of file names holds
-layouts/     one reader a layout -> Recording (units of the file)
-columns.py   which column of a state vector is what
+formats/     one reader a layout -> Recording (units of the file)
+state_columns.py  which column of a state vector is what
 units.py     Recording -> RobotEpisode (SI units), with a table of how each unit was told
 frames.py    camera frames, decoded when asked for
 trials.py    what thirty trials can show: exact intervals, tests, power, possible scores
@@ -13,16 +13,16 @@ workspace.py what the demonstrations cover
 tracking.py  where the orange is in the pictures
 checks.py    what was checked, and how it came out
 piper.py     the arm's limits and kinematics
-writing.py   columns and videos as LeRobot keeps them
+lerobot_files.py  columns as LeRobot keeps them
 sample.py    a small simulated data set in the real layout
-safe.py      names from a data set stay inside its folder; reading errors get one line
+untrusted_names.py  names from a data set stay inside its folder; reading errors get one line
 """
 
 from __future__ import annotations
 
-from move.study.realworld.checks import Check, check_dataset, checks_table
-from move.study.realworld.dataset import RobotDataSet, open_dataset
-from move.study.realworld.episode import RobotEpisode
-from move.study.realworld.sample import write_sample
+from move.realworld.checks import Check, check_dataset, checks_table
+from move.realworld.dataset import RobotDataSet, open_dataset
+from move.realworld.episode import RobotEpisode
+from move.realworld.sample import write_sample
 
 __all__ = ["Check", "RobotDataSet", "RobotEpisode", "check_dataset", "checks_table", "open_dataset", "write_sample"]

@@ -15,11 +15,12 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from move.study.paper import REAL_RADIUS_M
-from move.study.realworld.dataset import SIMULATED
-from move.study.realworld.layouts import lerobot_v2
-from move.study.realworld.piper import flange_pose, reach
-from move.study.realworld.writing import scalar_columns, scalar_features, vectors, write_video
+from move.paper import REAL_RADIUS_M
+from move.realworld.dataset import SIMULATED
+from move.realworld.formats import lerobot_v2
+from move.realworld.lerobot_files import scalar_columns, scalar_features, vectors
+from move.realworld.piper import flange_pose, reach
+from move.video import write_video
 
 FPS = 5
 CAMERA = "observation.images.cam_global"

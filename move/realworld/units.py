@@ -34,9 +34,9 @@ import pandas as pd
 import yaml
 
 from move.errors import BadInput
-from move.study.realworld.episode import Recording, RobotEpisode
-from move.study.realworld.piper import LIMITS_RAD
-from move.study.realworld.safe import reading
+from move.realworld.episode import Recording, RobotEpisode
+from move.realworld.piper import LIMITS_RAD
+from move.realworld.untrusted_names import reading
 
 ANGLE = {"rad": 1.0, "deg": np.pi / 180, "mdeg": np.pi / 180e3}
 LENGTH = {"m": 1.0, "mm": 1e-3, "um": 1e-6}

@@ -28,7 +28,7 @@ from huggingface_hub.errors import (
 from huggingface_hub.utils import httpx
 
 from move.errors import BadInput
-from move.study.realworld.safe import inside, safe_name
+from move.realworld.untrusted_names import inside, safe_name
 
 REPOSITORY = "BAAI/MOVE"
 REVISION: str | None = None

@@ -9,8 +9,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from move.errors import BadInput
-from move.study.realworld.episode import Part
-from move.study.realworld.safe import safe_name
+from move.realworld.episode import Part
+from move.realworld.untrusted_names import safe_name
 
 EXPECTED = ("meta/info.json (LeRobot v2.1 or v3.0), episode*/camera|arm|gripper|localization/ (Pika raw tree), "
             "*.hdf5 or *.h5 (Pika, ACT, RoboMIND), or meta/episode_ends in a zarr folder or *.zarr.zip")

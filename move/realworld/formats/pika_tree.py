@@ -19,11 +19,11 @@ from pathlib import Path
 
 import numpy as np
 
-from move.study.realworld.columns import POSE
-from move.study.realworld.episode import EpisodeRef, Part, Recording, make_recording
-from move.study.realworld.frames import from_files
-from move.study.realworld.layouts.hdf5 import PIKA_ARMS, PIKA_GRIPPERS, natural
-from move.study.realworld.safe import inside, reading
+from move.realworld.episode import EpisodeRef, Part, Recording, make_recording
+from move.realworld.formats.hdf5 import PIKA_ARMS, PIKA_GRIPPERS, natural
+from move.realworld.frames import from_files
+from move.realworld.state_columns import POSE
+from move.realworld.untrusted_names import inside, reading
 
 
 def metadata(files: Sequence[str]) -> list[str]:

@@ -15,10 +15,10 @@ import h5py
 import numpy as np
 
 from move.errors import BadInput
-from move.study.realworld.columns import busiest, split_columns
-from move.study.realworld.episode import EpisodeRef, Part, Recording, make_recording
-from move.study.realworld.frames import Frames, from_files, from_hdf5
-from move.study.realworld.safe import inside, reading
+from move.realworld.episode import EpisodeRef, Part, Recording, make_recording
+from move.realworld.frames import Frames, from_files, from_hdf5
+from move.realworld.state_columns import busiest, split_columns
+from move.realworld.untrusted_names import inside, reading
 
 SUFFIXES = (".hdf5", ".h5")
 ROBOMIND_HZ = 10.0  # no timestamps in the file; the rate its own tools assume

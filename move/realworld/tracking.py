@@ -12,8 +12,8 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
-from move.study.realworld.episode import RobotEpisode
-from move.study.realworld.workspace import grasp_step
+from move.realworld.episode import RobotEpisode
+from move.realworld.workspace import grasp_step
 
 HUE_DEG = (12.0, 45.0)
 LEAST_SATURATION, LEAST_VALUE = 0.55, 0.35

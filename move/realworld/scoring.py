@@ -19,9 +19,9 @@ import pandas as pd
 from scipy import stats
 
 from move.errors import BadInput
-from move.study.paper import REAL_POINTS
-from move.study.realworld.safe import reading
-from move.study.realworld.trials import exact_interval
+from move.intervals import exact_interval
+from move.paper import REAL_POINTS
+from move.realworld.untrusted_names import reading
 
 COLUMNS = ("trial", "method", "position_x_m", "position_y_m", "score")
 METHODS = ("static", "adc", "move")  # in any case: MOVE is move

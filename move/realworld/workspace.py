@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
-from move.study.paper import REAL_RADIUS_M
-from move.study.realworld.episode import RobotEpisode
-from move.study.realworld.piper import flange_pose
+from move.paper import REAL_RADIUS_M
+from move.realworld.episode import RobotEpisode
+from move.realworld.piper import flange_pose
 
 
 def workspace_cells(cell_m: float = 0.05, *, radius_m: float = REAL_RADIUS_M) -> pd.DataFrame:

@@ -10,8 +10,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from move.study.realworld.episode import EpisodeRef, Part, Recording
-from move.study.realworld.layouts import hdf5, lerobot_v2, lerobot_v3, pika_tree, zarr_buffer
+from move.realworld.episode import EpisodeRef, Part, Recording
+from move.realworld.formats import hdf5, lerobot_v2, lerobot_v3, pika_tree, zarr_buffer
 
 
 @dataclass(frozen=True)

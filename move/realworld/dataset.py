@@ -10,12 +10,12 @@ import pandas as pd
 
 from move import paths
 from move.errors import BadInput
-from move.study.realworld import hub
-from move.study.realworld.detect import detect, list_folder
-from move.study.realworld.episode import EpisodeRef, Part, Recording, RobotEpisode, method_of
-from move.study.realworld.layouts import LAYOUTS
-from move.study.realworld.safe import read_json
-from move.study.realworld.units import UnitRow, convert, detect_units, read_units_file, units_table
+from move.realworld import hub
+from move.realworld.detect import detect, list_folder
+from move.realworld.episode import EpisodeRef, Part, Recording, RobotEpisode, method_of
+from move.realworld.formats import LAYOUTS
+from move.realworld.units import UnitRow, convert, detect_units, read_units_file, units_table
+from move.realworld.untrusted_names import read_json
 
 # A file of this name at the root of a data set says that no robot was involved.
 SIMULATED = "SIMULATED.json"

@@ -13,10 +13,10 @@ from collections.abc import Sequence
 
 import pyarrow.parquet as pq
 
-from move.study.realworld.episode import EpisodeRef, Part, Recording
-from move.study.realworld.frames import Frames, from_video
-from move.study.realworld.layouts import lerobot
-from move.study.realworld.safe import fill_template, inside, reading
+from move.realworld.episode import EpisodeRef, Part, Recording
+from move.realworld.formats import lerobot
+from move.realworld.frames import Frames, from_video
+from move.realworld.untrusted_names import fill_template, inside, reading
 
 DATA = "data/chunk-{episode_chunk:03d}/episode_{episode_index:06d}.parquet"
 VIDEO = "videos/chunk-{episode_chunk:03d}/{video_key}/episode_{episode_index:06d}.mp4"

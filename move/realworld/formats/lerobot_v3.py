@@ -14,10 +14,10 @@ import pyarrow as pa
 import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
-from move.study.realworld.episode import EpisodeRef, Part, Recording
-from move.study.realworld.frames import from_video
-from move.study.realworld.layouts import lerobot
-from move.study.realworld.safe import fill_template, inside, reading
+from move.realworld.episode import EpisodeRef, Part, Recording
+from move.realworld.formats import lerobot
+from move.realworld.frames import from_video
+from move.realworld.untrusted_names import fill_template, inside, reading
 
 DATA = "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
 VIDEO = "videos/{video_key}/chunk-{chunk_index:03d}/file-{file_index:03d}.mp4"

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from move.errors import BadInput
-from move.study.realworld.frames import Frames
+from move.realworld.frames import Frames
 
 
 @dataclass(frozen=True)

@@ -10,26 +10,11 @@ from math import factorial, prod
 import numpy as np
 import pandas as pd
 from scipy import stats
-from statsmodels.stats.proportion import confint_proportions_2indep, proportion_confint
+from statsmodels.stats.proportion import confint_proportions_2indep
 
 from move.errors import BadInput
-from move.study.paper import REAL_POINTS, REAL_TRIALS, TABLE3_REAL
-
-
-def exact_interval(successes: int, trials: int, *, level: float = 0.95) -> tuple[float, float]:
-    """Clopper-Pearson interval of a success rate: never covers less often than `level`.
-
-    Raises:
-        BadInput: successes outside 0..trials.
-
-    >>> low, high = exact_interval(1, 30)
-    >>> round(low, 4), round(high, 4)
-    (0.0008, 0.1722)
-    """
-    if not 0 <= successes <= trials or trials < 1:
-        raise BadInput(f"{successes} successes of {trials} trials: allowed are 0..trials of at least one trial")
-    low, high = proportion_confint(successes, trials, alpha=1 - level, method="beta")
-    return float(low), float(high)
+from move.intervals import exact_interval, student_half_width
+from move.paper import REAL_POINTS, REAL_TRIALS, TABLE3_REAL
 
 
 def real_table(cells: pd.DataFrame = TABLE3_REAL, *, trials: int = REAL_TRIALS, level: float = 0.95) -> pd.DataFrame:
@@ -185,6 +170,6 @@ def score_interval(successes: int, score: int, trials: int = REAL_TRIALS, *,
         (low, high) within 0..1.
     """
     spread = float(score_distributions(successes, score, trials)["sd"].max())
-    half = stats.t.ppf((1 + level) / 2, trials - 1) * spread / trials**0.5
+    half = student_half_width(spread, trials, level=level)
     mean = score / trials
     return max(0.0, (mean - half) / REAL_POINTS), min(1.0, (mean + half) / REAL_POINTS)

@@ -15,7 +15,7 @@ import h5py
 import numpy as np
 
 from move.errors import BadInput
-from move.study.realworld.safe import reading
+from move.realworld.untrusted_names import reading
 
 Image = np.ndarray | bytes
 

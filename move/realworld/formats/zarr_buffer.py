@@ -20,9 +20,9 @@ import numpy as np
 import zarr
 
 from move.errors import BadInput
-from move.study.realworld.episode import EpisodeRef, Part, Recording, make_recording
-from move.study.realworld.frames import Frames, from_video
-from move.study.realworld.safe import inside, reading
+from move.realworld.episode import EpisodeRef, Part, Recording, make_recording
+from move.realworld.frames import Frames, from_video
+from move.realworld.untrusted_names import inside, reading
 
 JOINTS, POSE = ("robot_joint", "joint", "joints", "qpos"), ("robot_eef_pose", "eef_pose", "end_pose")
 GRIPPER, TIME = ("robot_gripper", "gripper", "gripper_width"), ("timestamp", "timestamps")
