@@ -9,7 +9,8 @@ import json
 
 import pytest
 
-from move.learn.evaluate import Evaluation, Expert, evaluate, trials
+from move.learn.agents import Expert
+from move.learn.evaluate import Evaluation, evaluate, trials
 from move.sim.collect import Collection, collect
 from move.sim.tasks import get_task
 

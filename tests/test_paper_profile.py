@@ -5,7 +5,7 @@ import shutil
 import pytest
 import torch
 
-from move.learn import evaluate
+from move.learn import rollout
 from move.learn.checkpoint import load_policy
 from move.learn.evaluate import Evaluation
 from move.machine import gl_problem
@@ -52,7 +52,7 @@ def test_the_kinds_cover_every_player_and_protocol():
 
 @pytest.mark.parametrize("name", kinds())
 def test_a_run_of_each_kind_passes_from_end_to_end(name, tmp_path, monkeypatch):
-    monkeypatch.setattr(evaluate, "EPISODE_STEPS", 6)
+    monkeypatch.setattr(rollout, "EPISODE_STEPS", 6)
     spec = cut(kinds()[name])
     if spec.observation == "rgb" and gl_problem():
         pytest.skip(gl_problem())

@@ -12,7 +12,8 @@ from pydantic import ValidationError
 
 from move import paper, paths
 from move.errors import BadInput
-from move.learn.evaluate import Evaluation, Expert, Nothing, PolicyPlayer, Random, evaluate, trials
+from move.learn.agents import Expert, Nothing, PolicyPlayer, Random
+from move.learn.evaluate import Evaluation, evaluate, trials
 from move.learn.train import train
 from move.report import notebooks, page
 from move.sim.collect import Collection, collect

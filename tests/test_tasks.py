@@ -12,7 +12,8 @@ from metaworld.env_dict import ALL_V3_ENVIRONMENTS
 
 import move  # noqa: F401, registers the scenes
 from move.errors import BadInput
-from move.learn.evaluate import Evaluation, Expert, GoalBlind, Nothing, evaluate, trials
+from move.learn.agents import Expert, GoalBlind, Nothing
+from move.learn.evaluate import Evaluation, evaluate, trials
 from move.sim.collect import METHODS, Collection, collect, collecting_env, demonstrate
 from move.sim.experts import make_expert
 from move.sim.geometry import wrapped

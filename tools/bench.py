@@ -21,7 +21,8 @@ from metaworld.policies import ENV_POLICY_MAP  # noqa: E402
 from rich.console import Console  # noqa: E402
 from rich.table import Table  # noqa: E402
 
-from move.learn.evaluate import Evaluation, PolicyPlayer, evaluate  # noqa: E402
+from move.learn.agents import PolicyPlayer  # noqa: E402
+from move.learn.evaluate import Evaluation, evaluate  # noqa: E402
 from move.learn.train import train  # noqa: E402
 from move.machine import gl_problem, gl_renderer, keep_freed_memory, peak_memory_mb, processor  # noqa: E402
 from move.paths import figures  # noqa: E402

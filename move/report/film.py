@@ -6,8 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
+from move.learn.agents import PolicyPlayer
 from move.learn.diffusion import DiffusionPolicy
-from move.learn.evaluate import PolicyPlayer, evaluate
+from move.learn.evaluate import evaluate
 from move.sim.collect import Collection, attempts
 from move.sim.moving import Motions
 from move.sim.tasks import get_task

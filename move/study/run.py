@@ -13,8 +13,9 @@ from pathlib import Path
 from filelock import FileLock
 
 from move.errors import BadInput
+from move.learn.agents import CONTROLS, Player, PolicyPlayer
 from move.learn.diffusion import DiffusionPolicy
-from move.learn.evaluate import CONTROLS, Player, PolicyPlayer, evaluate
+from move.learn.evaluate import evaluate
 from move.learn.train import TrainingReport, train
 from move.machine import best_device, one_thread
 from move.paths import RUNS
