@@ -6,6 +6,7 @@ The flange is what the arm reports; a gripper's finger tips lie further along th
 from __future__ import annotations
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 # Joint limits in rad, (6, 2): lowest and highest, from the maker's SDK.
 LIMITS_RAD = np.array([[-2.62, 2.62], [0.0, 3.14], [-2.97, 0.0], [-1.75, 1.75], [-1.22, 1.22], [-2.09, 2.09]])
@@ -51,10 +52,7 @@ def flange_pose(joints_rad: np.ndarray) -> np.ndarray:
         (T, 6).
     """
     pose = flange_transform(joints_rad)
-    roll = np.arctan2(pose[:, 2, 1], pose[:, 2, 2])
-    pitch = np.arctan2(-pose[:, 2, 0], np.hypot(pose[:, 0, 0], pose[:, 1, 0]))
-    yaw = np.arctan2(pose[:, 1, 0], pose[:, 0, 0])
-    return np.column_stack([pose[:, :3, 3], roll, pitch, yaw])
+    return np.column_stack([pose[:, :3, 3], Rotation.from_matrix(pose[:, :3, :3]).as_euler("xyz")])
 
 
 def reach(points_m: np.ndarray, *, steps: int = 80, down: float = 0.15) -> np.ndarray:

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import pandas as pd
+from matplotlib.colors import rgb_to_hsv
 
 from move.realworld.episode import RobotEpisode
 from move.realworld.workspace import grasp_step
@@ -28,16 +29,11 @@ def orange_mask(frames: np.ndarray) -> np.ndarray:
     Returns:
         (..., height, width) bool: hue 12 to 45 degrees, saturation at least 0.55, value at least 0.35.
     """
-    red, green, blue = (frames[..., channel].astype(np.float32) / 255 for channel in range(3))
-    value, darkest = np.maximum(np.maximum(red, green), blue), np.minimum(np.minimum(red, green), blue)
-    spread = value - darkest
-    safe = np.where(spread > 0, spread, 1)
-    hue = 60 * (green - blue) / safe  # right where red is the brightest channel, which orange needs anyway
-    return ((red >= value)
-            & (spread >= LEAST_SATURATION * value)
+    hue, saturation, value = np.moveaxis(rgb_to_hsv(frames / np.float32(255)), -1, 0)
+    return ((saturation >= LEAST_SATURATION)
             & (value >= LEAST_VALUE)
-            & (hue >= HUE_DEG[0])
-            & (hue <= HUE_DEG[1]))
+            & (360 * hue >= HUE_DEG[0])
+            & (360 * hue <= HUE_DEG[1]))
 
 
 def track_orange(frames: np.ndarray, *, least_pixels: int = 6) -> np.ndarray:
