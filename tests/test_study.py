@@ -18,7 +18,7 @@ from move.learn.train import train
 from move.report import notebooks, page
 from move.sim.collect import Collection, collect
 from move.sim.configuration import SpatialConfiguration
-from move.sim.scene import EPISODE_STEPS, Scene
+from move.sim.scene.scene import EPISODE_STEPS, Scene
 from move.sim.tasks import get_task
 from move.study import execute, experiments, policies, profiles, results, run
 from move.study.plan import TRIAL_MINUTES, plan_rows

@@ -27,7 +27,7 @@ from move.learn.train import train  # noqa: E402
 from move.machine import gl_problem, gl_renderer, keep_freed_memory, peak_memory_mb, processor  # noqa: E402
 from move.paths import figures  # noqa: E402
 from move.sim.collect import Collection, attempts, collect  # noqa: E402
-from move.sim.scene import Scene  # noqa: E402
+from move.sim.scene.scene import Scene  # noqa: E402
 from move.sim.tasks import get_task  # noqa: E402
 from move.study.plan import step_seconds  # noqa: E402
 from move.study.profiles import load_profile  # noqa: E402

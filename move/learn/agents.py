@@ -17,9 +17,9 @@ import torch
 
 from move.errors import BadInput
 from move.learn.diffusion import DiffusionPolicy
-from move.sim.experts import Expert as ScriptedExpert
-from move.sim.experts import make_expert
-from move.sim.scene import Scene
+from move.sim.experts.phase import Expert as ScriptedExpert
+from move.sim.experts.phase import make_expert
+from move.sim.scene.scene import Scene
 
 PLAY_STREAM = 3  # first word of the seed of a player's own randomness
 

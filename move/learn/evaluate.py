@@ -16,9 +16,9 @@ from pydantic import BaseModel, ConfigDict, Field
 from move.learn.agents import Player
 from move.learn.rollout import Played, roll_out
 from move.sim.configuration import SpatialConfiguration
-from move.sim.protocols import circle_points, sparse_points
-from move.sim.scene import Scene
-from move.sim.task import Task
+from move.sim.grasp_points import circle_points, sparse_points
+from move.sim.scene.scene import Scene
+from move.sim.tasks.task import Task
 
 CONFIGURATION_STREAM = 2  # first word of the seed of the configurations
 TOGETHER = 160  # episodes stepped together at most

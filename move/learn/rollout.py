@@ -15,8 +15,8 @@ import numpy as np
 
 from move.learn.agents import Player
 from move.sim.configuration import SpatialConfiguration
-from move.sim.scene import EPISODE_STEPS, SUCCESS_STEPS, Scene
-from move.sim.task import Task
+from move.sim.scene.scene import EPISODE_STEPS, SUCCESS_STEPS, Scene
+from move.sim.tasks.task import Task
 
 Watch = Callable[[int, Scene], None]
 

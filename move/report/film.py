@@ -10,7 +10,7 @@ from move.learn.agents import PolicyPlayer
 from move.learn.diffusion import DiffusionPolicy
 from move.learn.evaluate import evaluate
 from move.sim.collect import Collection, attempts
-from move.sim.moving import Motions
+from move.sim.motion.wrappers import Motions
 from move.sim.tasks import get_task
 from move.study.spec import RunSpec
 from move.video import write_video

@@ -9,8 +9,8 @@ from move import paper
 from move.report.style import NAMES
 from move.sim.collect import METHODS
 from move.sim.configuration import Disc
-from move.sim.task import kept_share
 from move.sim.tasks import TASKS
+from move.sim.tasks.task import kept_share
 from move.study.experiments import recipe_change
 from move.study.profiles import load_profile
 from move.study.results import Result

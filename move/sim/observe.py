@@ -13,7 +13,7 @@ import numpy as np
 
 from move.errors import BadInput
 from move.machine import gl_problem
-from move.sim import camera
+from move.sim.scene import camera
 
 ROBOT_POINTS = ("site:rightEndEffector", "site:leftEndEffector", "body:hand")
 LANDMARKS = {  # corners of the table's working area: they tell the policy where the camera is

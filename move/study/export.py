@@ -35,7 +35,7 @@ from move.learn import dataset
 from move.realworld.lerobot_files import scalar_columns, scalar_features, vectors
 from move.sim.demonstrations import Demonstrations
 from move.sim.observe import keypoint_names
-from move.sim.scene import Scene
+from move.sim.scene.scene import Scene
 from move.sim.tasks import TASKS
 from move.video import write_video
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from move.sim.configuration import Vector
 from move.sim.geometry import limited, shifted, wrapped
-from move.sim.scene import Scene
+from move.sim.scene.scene import Scene
 
 UNWIND_STEP = math.radians(3.0)  # radians the gripper turns a step while it carries
 SQUARE_STEP = math.radians(4.0)  # radians the gripper turns a step to bring the hammer square

@@ -14,8 +14,8 @@ import numpy as np
 
 from move.sim.geometry import wrapped
 from move.sim.observe import LANDMARKS
-from move.sim.task import Task
-from move.sim.world import World, yaw_of
+from move.sim.scene.shared_model import World, yaw_of
+from move.sim.tasks.task import Task
 
 
 class Readable:

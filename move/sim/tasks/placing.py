@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import math
 
-from move.sim import reach
 from move.sim.configuration import Box
-from move.sim.ranges import HALF_CIRCLE, SIDE, WIDE_HAND, WRENCH, fixed
-from move.sim.success import around, both, in_hoop, joint_beyond, near, touching
-from move.sim.task import Grip, Mount, Task
+from move.sim.tasks import feasibility
+from move.sim.tasks.ranges import HALF_CIRCLE, SIDE, WIDE_HAND, WRENCH, fixed
+from move.sim.tasks.success import around, both, in_hoop, joint_beyond, near, touching
+from move.sim.tasks.task import Grip, Mount, Task
 
 PICK_PLACE = Task(
     name="pick-place",
@@ -70,7 +70,7 @@ ASSEMBLY = Task(
     turns_gripper=True,
     separation=0.10,
     clearance=0.10,
-    reachable=reach.wrench_clear_of_target(length=0.17, ring=0.05, ring_gap=0.09, handle_gap=0.08),
+    reachable=feasibility.wrench_clear_of_target(length=0.17, ring=0.05, ring_gap=0.09, handle_gap=0.08),
     object_steps=20,
     target_dimensions=2,
     placed_point="site:RoundNut",
@@ -128,7 +128,7 @@ HAMMER = Task(
     yaw_range=(-math.pi / 3, math.pi / 3),
     yaw_speed_scale=0.1,
     turns_gripper=True,
-    reachable=reach.beyond((0.16, -0.07, 0.0), 0.27),  # the head is clear of the robot's pedestal
+    reachable=feasibility.beyond((0.16, -0.07, 0.0), 0.27),  # the head is clear of the robot's pedestal
     target_steps=100,  # the authors' 80 is over before a sixth of the grasps
     target_dimensions=2,
     target_point="body:nail_link",
@@ -171,7 +171,7 @@ BASKETBALL = Task(
     success=in_hoop("body:bsktball", "body:hooplink", height=0.3, distance=0.08),
     fixed=fixed((0.0, 0.55, 0.0299), (0.0, 0.9, 0.0)),
     grip=Grip(height=0.035, effort=0.6, opening=-1.0),
-    reachable=reach.apart_from((0.0, -0.083, 0.0), 0.15),  # the ball is not under the hoop
+    reachable=feasibility.apart_from((0.0, -0.083, 0.0), 0.15),  # the ball is not under the hoop
     target_steps=140,
     target_dimensions=2,
     target_point="body:hooplink",

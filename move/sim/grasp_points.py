@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from move.sim.configuration import Box, Disc, Vector
-from move.sim.task import Task
+from move.sim.tasks.task import Task
 
 CIRCLE = Disc((-0.05, 0.65), 0.15)  # figure 5; metres
 CIRCLE_POINTS = 20

@@ -13,8 +13,8 @@ import numpy as np
 
 from move.errors import BadInput
 from move.sim.configuration import Box, SpatialConfiguration, Vector
-from move.sim.reach import Reachable, anywhere
-from move.sim.success import Success
+from move.sim.tasks.feasibility import Reachable, anywhere
+from move.sim.tasks.success import Success
 
 FACTORS = {
     "object": frozenset({"object"}),

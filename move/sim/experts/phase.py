@@ -2,7 +2,7 @@
 
 An expert reads the scene and returns the next action. Each phase ends on one condition and is left backwards only on a
 clearly worse one. The phase expert closes the loop on the object it holds, so a slip of the grip is corrected rather
-than mistaken for a loss; Meta-World's policies (`move.sim.metaworld_expert`) decide afresh at every step.
+than mistaken for a loss; Meta-World's policies (`move.sim.experts.metaworld`) decide afresh at every step.
 """
 
 from __future__ import annotations
@@ -13,12 +13,12 @@ from typing import Protocol
 import numpy as np
 
 from move.errors import BadInput
-from move.sim.carry import CARRIES
 from move.sim.configuration import Vector
+from move.sim.experts.metaworld import MetaworldExpert
+from move.sim.experts.transport import CARRIES
 from move.sim.geometry import shifted, turned, wrapped
-from move.sim.metaworld_expert import MetaworldExpert
-from move.sim.scene import YAW_STEP, Scene
-from move.sim.task import Task
+from move.sim.scene.scene import YAW_STEP, Scene
+from move.sim.tasks.task import Task
 
 GAIN = 15.0  # action per metre of error
 PUSH_GAIN = 25.0  # the same while a handle is worked

@@ -10,7 +10,7 @@ import gymnasium
 import numpy as np
 
 from move.sim.configuration import Vector
-from move.sim.scene import Scene
+from move.sim.scene.scene import Scene
 
 JUMP_DISTANCE = 0.2  # metres between gripper and object or target at which it jumps
 

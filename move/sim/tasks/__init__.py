@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from move.errors import BadInput
-from move.sim.opening_tasks import DISASSEMBLE, FAUCET_OPEN, WINDOW_OPEN
-from move.sim.placing_tasks import ASSEMBLY, BASKETBALL, BOX_CLOSE, HAMMER, PICK_PLACE, PICK_PLACE_WALL, PUSH
-from move.sim.task import FACTORS, Task
+from move.sim.tasks.opening import DISASSEMBLE, FAUCET_OPEN, WINDOW_OPEN
+from move.sim.tasks.placing import ASSEMBLY, BASKETBALL, BOX_CLOSE, HAMMER, PICK_PLACE, PICK_PLACE_WALL, PUSH
+from move.sim.tasks.task import FACTORS, Task
 
 __all__ = ["FACTORS", "TASKS", "Task", "get_task"]
 

@@ -1,7 +1,4 @@
-"""A task's compiled MuJoCo model, shared by all its scenes, and the addresses of what is moved in it.
-
-With `scene.py` and `readable.py` the only place that touches MuJoCo.
-"""
+"""A task's compiled MuJoCo model, shared by all its scenes, and the addresses of what is moved in it."""
 
 from __future__ import annotations
 
@@ -15,7 +12,7 @@ from metaworld.env_dict import ALL_V3_ENVIRONMENTS
 from move.sim.configuration import Vector
 from move.sim.geometry import turned
 from move.sim.observe import Painter
-from move.sim.task import Mount, Task
+from move.sim.tasks.task import Mount, Task
 
 OBJECT, LEFT, RIGHT, PALM = 1, 2, 3, 4  # what a contact is between
 HAND_BODIES = {"leftclaw": LEFT, "leftpad": LEFT, "rightclaw": RIGHT, "rightpad": RIGHT, "right_hand": PALM}

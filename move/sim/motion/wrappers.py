@@ -20,10 +20,10 @@ import gymnasium
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from move.sim import motion
 from move.sim.configuration import Box, Disc, SpatialConfiguration
-from move.sim.scene import Scene
-from move.sim.task import FACTORS
+from move.sim.motion import equations
+from move.sim.scene.scene import Scene
+from move.sim.tasks.task import FACTORS
 
 
 class Motions(BaseModel):
@@ -136,12 +136,12 @@ class ObjectTranslation(PickMotion):
 
     def draw(self, rng: np.random.Generator) -> None:
         """Draw v ~ Beta(2, 5) and a direction uniform on the circle."""
-        speed = motion.draw_speed(rng, self.maximum_speed)
-        self.velocity = tuple(speed * part for part in motion.draw_direction(rng, 2))
+        speed = equations.draw_speed(rng, self.maximum_speed)
+        self.velocity = tuple(speed * part for part in equations.draw_direction(rng, 2))
 
     def placed(self, time: float) -> SpatialConfiguration:
         """The configuration with the object where it is after `time` steps."""
-        there = motion.translate(self.start.object_position, self.velocity, time, self.region)
+        there = equations.translate(self.start.object_position, self.velocity, time, self.region)
         return replace(self.scene.configuration, object_position=there)
 
 
@@ -150,11 +150,11 @@ class ObjectRotation(PickMotion):
 
     def draw(self, rng: np.random.Generator) -> None:
         """Draw w ~ Beta(2, 5) and a direction in {-1, 1}."""
-        self.velocity = motion.draw_speed(rng, self.maximum_speed) * motion.draw_sign(rng)
+        self.velocity = equations.draw_speed(rng, self.maximum_speed) * equations.draw_sign(rng)
 
     def placed(self, time: float) -> SpatialConfiguration:
         """The configuration with the yaw after `time` steps."""
-        yaw = motion.turn(self.start.object_yaw, self.velocity, time, *self.scene.task.yaw_range)
+        yaw = equations.turn(self.start.object_yaw, self.velocity, time, *self.scene.task.yaw_range)
         return replace(self.scene.configuration, object_yaw=yaw)
 
 
@@ -176,14 +176,14 @@ class TargetTranslation(Motion):
 
     def draw(self, rng: np.random.Generator) -> None:
         """Draw v ~ Beta(2, 5) and a direction uniform on the sphere, or on the circle for a target on the table."""
-        speed = motion.draw_speed(rng, self.maximum_speed)
-        direction = motion.draw_direction(rng, self.scene.task.target_dimensions)
+        speed = equations.draw_speed(rng, self.maximum_speed)
+        direction = equations.draw_direction(rng, self.scene.task.target_dimensions)
         self.velocity = tuple(speed * part for part in direction)
         self.keeps_clear = False  # the object is in the hand
 
     def placed(self, time: float) -> SpatialConfiguration:
         """The configuration with the target where it is after `time` steps."""
-        there = motion.translate(self.start.target_position, self.velocity, time, self.scene.task.target_range)
+        there = equations.translate(self.start.target_position, self.velocity, time, self.scene.task.target_range)
         return replace(self.scene.configuration, target_position=there)
 
     def apply(self, configuration: SpatialConfiguration) -> None:
@@ -202,11 +202,11 @@ class CameraMotion(Motion):
 
     def draw(self, rng: np.random.Generator) -> None:
         """Draw u ~ Beta(2, 5) and a direction in {-1, 1}."""
-        self.velocity = motion.draw_speed(rng, self.maximum_speed) * motion.draw_sign(rng)
+        self.velocity = equations.draw_speed(rng, self.maximum_speed) * equations.draw_sign(rng)
 
     def placed(self, time: float) -> SpatialConfiguration:
         """The configuration with the camera's angle after `time` steps."""
-        angle = motion.turn(self.start.camera_angle, self.velocity, time, *self.scene.task.camera_range)
+        angle = equations.turn(self.start.camera_angle, self.velocity, time, *self.scene.task.camera_range)
         return replace(self.scene.configuration, camera_angle=angle)
 
     def apply(self, configuration: SpatialConfiguration) -> None:

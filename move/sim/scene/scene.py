@@ -1,6 +1,6 @@
 """The scene: a Meta-World task whose spatial configuration is set on reset and can be moved while it runs.
 
-With `world.py` and `readable.py` the only file that touches MuJoCo's model and data. Meta-World supplies the model,
+Meta-World supplies the model,
 its starting pose and the limits of the hand; stepping, success and observation happen here, without Meta-World's
 rewards and samplers.
 """
@@ -22,9 +22,9 @@ from move.errors import BadInput
 from move.sim.configuration import SpatialConfiguration, Vector
 from move.sim.geometry import limited
 from move.sim.observe import keypoint_names, keypoint_slices, keypoints
-from move.sim.readable import Readable
+from move.sim.scene.scene_state import Readable
+from move.sim.scene.shared_model import LEFT, OBJECT, PALM, RIGHT, shared_world, stands
 from move.sim.tasks import Task, get_task
-from move.sim.world import LEFT, OBJECT, PALM, RIGHT, shared_world, stands
 
 OBSERVATIONS = ("keypoints", "rgb")
 EPISODE_STEPS = 200  # the authors' limit

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import math
 
-from move.sim import reach
 from move.sim.configuration import Box
-from move.sim.ranges import NO_TARGET, SIDE, WIDE_HAND, WRENCH, fixed
-from move.sim.success import higher, joint_beyond, near
-from move.sim.task import Grip, Mount, Press, Task
+from move.sim.tasks import feasibility
+from move.sim.tasks.ranges import NO_TARGET, SIDE, WIDE_HAND, WRENCH, fixed
+from move.sim.tasks.success import higher, joint_beyond, near
+from move.sim.tasks.task import Grip, Mount, Press, Task
 
 WINDOW_OPEN = Task(
     name="window-open",
@@ -31,7 +31,7 @@ WINDOW_OPEN = Task(
     grip=Press("window", offset=(-0.03, 0.02, -0.07), stroke=(0.1, 0.0, 0.0), above=0.33,
                joint="window_slide", enough=0.2),
     yaw_range=(-math.pi / 3, math.pi / 2),
-    reachable=reach.within_arm(0.86, (-0.07, -0.115, 0.0), (0.12, -0.125, 0.0)),  # the hand, closed and open
+    reachable=feasibility.within_arm(0.86, (-0.07, -0.115, 0.0), (0.12, -0.125, 0.0)),  # the hand, closed and open
     object_steps=35,
     timesteps=5_000,
 )
@@ -58,7 +58,7 @@ FAUCET_OPEN = Task(
     grip=Press("faucet_link2", offset=(-0.04, 0.0, 0.02), stroke=(0.1, 0.0, 0.0), above=0.1,
                joint="knob_Joint_1", enough=1.35, lost=0.08),
     yaw_range=(-math.pi, 0.0),
-    reachable=reach.within_arm(0.95, (-0.055, -0.175, 0.0)),  # where the hand starts its stroke
+    reachable=feasibility.within_arm(0.95, (-0.055, -0.175, 0.0)),  # where the hand starts its stroke
     object_steps=35,
     timesteps=5_000,
 )

@@ -15,8 +15,8 @@ from metaworld.policies import ENV_POLICY_MAP
 
 from move.sim.configuration import Vector
 from move.sim.geometry import limited, turned, wrapped
-from move.sim.scene import YAW_STEP, Scene
-from move.sim.task import Task
+from move.sim.scene.scene import YAW_STEP, Scene
+from move.sim.tasks.task import Task
 
 HANDLE = {"faucet-open": (0.0, 0.0, -0.01)}  # what Meta-World observes as the object, from our object point, metres
 LIFTED = 0.02  # metres over its starting height at which an object counts as lifted
