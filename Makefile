@@ -50,7 +50,8 @@ test-slow: $(READY)  ## run the tests that take minutes: the paper's own batch
 plan: $(READY)  ## what would run, how long it takes, and why
 	$(BIN)/move plan --profile $(PROFILE)
 
-verify: $(READY)  ## recompute a random sample of the shipped results and compare
+verify: $(READY)  ## check every shipped result, recompute a fresh sample of them and compare
+	$(BIN)/move verify --profile $(PROFILE) --all
 	$(BIN)/move verify --profile $(PROFILE)
 
 lab: $(READY)  ## open the notebooks in JupyterLab

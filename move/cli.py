@@ -227,18 +227,28 @@ def verify(
     profile: ProfileName = "laptop",
     figure: Figure = None,
     sample: Annotated[int, typer.Option(min=1, help="how many results to recompute")] = 2,
-    seed: Seed = 0,
+    seed: Annotated[Optional[int], typer.Option(min=0, help="draws the sample; fresh each time if left out")] = None,
+    every: Annotated[bool, typer.Option("--all", help="check every stored file, recompute nothing")] = False,
     as_json: Json = False,
 ) -> None:
-    """Recompute a random sample of the stored results from nothing and compare."""
+    """Recompute a drawn sample of the stored results and compare; any difference ends with exit code 1."""
     import numpy as np
 
     from move import paths
-    from move.study.verify import verify as recompute
+    from move.study import verify as verifying
 
-    specs = [spec for listed in chosen_specs(profile, figure).values() for spec in listed]
-    rows = recompute(specs, paths.results(profile), sample, np.random.default_rng(seed))
-    show(rows, as_json, "Recomputed")
+    if every:
+        rows = verifying.check_files(paths.results(profile))
+        shown = [row for row in rows if not row["same"]] or [{"files": len(rows), "same": "all"}]
+        show(rows if as_json else shown, as_json, "Checked")
+    else:
+        seed = int(np.random.SeedSequence().generate_state(1)[0]) if seed is None else seed
+        typer.echo(f"verify: --seed {seed} draws this sample again", err=True)
+        specs = [spec for listed in chosen_specs(profile, figure).values() for spec in listed]
+        rows = verifying.verify(specs, paths.results(profile), sample, np.random.default_rng(seed))
+        show(rows, as_json, "Recomputed")
+    if not all(row["same"] for row in rows):
+        raise typer.Exit(1)
 
 
 @app.command()

@@ -1,7 +1,11 @@
-"""Recomputes a random sample of stored results and compares, so that a reader need not take them on trust."""
+"""Looks for a stored result that is not what it says: recomputes a drawn sample, or checks every file.
+
+Rows are compared by the columns that both have, for results of earlier versions hold less of the configuration tried.
+"""
 
 from __future__ import annotations
 
+import json
 import tempfile
 from pathlib import Path
 from typing import Any
@@ -9,17 +13,27 @@ from typing import Any
 import numpy as np
 
 from move.errors import BadInput
-from move.machine import processor
+from move.intervals import wilson_interval
 from move.study import run as running
-from move.study.results import Result, split
+from move.study.results import Result, load, split
 from move.study.spec import RunSpec
+
+LIKE = ("processor", "accelerator", "gl_renderer")  # of the provenance: where these differ, so may single episodes
+
+
+def draw_sample(results: list[Result], sample: int, rng: np.random.Generator) -> list[Result]:
+    """`sample` results at random, each run once, with one from pixels among them where there is any."""
+    there = list({result.spec.hash: result for result in results}.values())
+    order = [there[index] for index in rng.permutation(len(there))]
+    pixels = [result for result in order if result.spec.observation == "rgb" and result.spec.training][:1]
+    return (pixels + [result for result in order if result not in pixels])[:sample]
 
 
 def verify(specs: list[RunSpec], folder: Path, sample: int, rng: np.random.Generator) -> list[dict[str, Any]]:
-    """Recompute `sample` stored results from nothing and say for each how many episodes ended the same.
+    """Recompute a drawn sample of the stored results from nothing; one row each, `same` says how it came out.
 
-    The same processor, GL renderer and versions give the same bits; elsewhere rounding differs and single episodes
-    may turn out otherwise, so the row names both processors.
+    On the same processor, accelerator, GL renderer and precision every row has to be the same. Elsewhere rounding
+    differs, and the recomputed rate has to lie in the stored rate's 95 % interval.
 
     Raises:
         BadInput: no stored result.
@@ -27,19 +41,64 @@ def verify(specs: list[RunSpec], folder: Path, sample: int, rng: np.random.Gener
     there, _ = split(specs, folder)
     if not there:
         raise BadInput(f"verify: no stored result in {folder}; run `move run` first")
-    chosen = rng.choice(len(there), size=min(sample, len(there)), replace=False)
-    return [_compare(there[index]) for index in sorted(chosen)]
+    return [_recompute(stored) for stored in draw_sample(there, sample, rng)]
 
 
-def _compare(stored: Result) -> dict[str, Any]:
+def _recompute(stored: Result) -> dict[str, Any]:
     with tempfile.TemporaryDirectory() as scratch:
         again = running.run(stored.spec, Path(scratch) / "results", scratch=Path(scratch) / "runs")
-    same = sum(before == after for before, after in zip(stored.rows, again.rows, strict=True))
-    return {
-        "run": stored.spec.label,
-        "stored_rate": stored.rate,
-        "recomputed_rate": again.rate,
-        "same_episodes": f"{same} of {len(stored.rows)}",
-        "stored_on": stored.provenance["processor"],
-        "recomputed_on": processor(),
-    }
+    other = _elsewhere(stored, again)
+    different = first_difference(stored.rows, again.rows)
+    if other:
+        low, high = wilson_interval(stored.rate, len(stored.rows))
+        same, judged = low <= again.rate <= high, f"by rate and interval [{low:.3f}, {high:.3f}]: other {other}"
+    else:
+        same, judged = different is None, "row by row"
+    return {"run": stored.spec.label, "hash": stored.spec.hash, "same": same, "judged": judged,
+            "stored_rate": stored.rate, "recomputed_rate": again.rate, "difference": different or "none"}
+
+
+def _elsewhere(stored: Result, again: Result) -> str:
+    """What of the machine differs from the result's, in words; empty if nothing does."""
+    names = [name for name in LIKE if stored.provenance.get(name) != again.provenance.get(name)]
+    if stored.training and stored.training["precision"] != again.training["precision"]:
+        names.append("precision")
+    return ", ".join(names)
+
+
+def first_difference(before: list[dict], after: list[dict]) -> str | None:
+    """The first row and column in which two lists of rows differ; None if they agree in all columns that both have.
+
+    >>> first_difference([{"trial": 0, "steps": 9}], [{"trial": 0, "steps": 8, "hand_x": 0.1}])
+    'row 0: steps 9, recomputed 8'
+    """
+    if len(before) != len(after):
+        return f"{len(before)} rows, recomputed {len(after)}"
+    for number, (old, new) in enumerate(zip(before, after, strict=True)):
+        for name in old.keys() & new.keys():
+            if old[name] != new[name]:
+                return f"row {number}: {name} {old[name]}, recomputed {new[name]}"
+    return None
+
+
+def check_files(folder: Path) -> list[dict[str, Any]]:
+    """One row a stored file of `folder`: whether it fits its digest, and its spec the hash that it is named after.
+
+    Raises:
+        BadInput: no stored result.
+    """
+    paths = sorted(folder.glob("*.json"))
+    if not paths:
+        raise BadInput(f"verify: no stored result in {folder}; run `move run` first")
+    return [{"file": path.name, **_check(path)} for path in paths]
+
+
+def _check(path: Path) -> dict[str, Any]:
+    try:
+        spec = RunSpec.model_validate_json(json.dumps(json.loads(path.read_text())["spec"]))
+        if spec.hash != path.stem:
+            raise BadInput(f"its spec has the hash {spec.hash}")
+        load(spec, path.parent)
+    except (BadInput, OSError, ValueError, TypeError, KeyError) as problem:
+        return {"same": False, "difference": " ".join(str(problem).split())[:200]}
+    return {"same": True, "difference": "none"}

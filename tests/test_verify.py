@@ -1,0 +1,114 @@
+"""A result that is not what it says is found."""
+
+import dataclasses
+import json
+
+import numpy as np
+import pytest
+import recipes
+import typer.testing
+
+from move import cli, paths
+from move.learn.evaluate import Evaluation
+from move.sim.collect import Collection
+from move.study import results, run, verify
+from move.study.spec import RunSpec
+
+TINY = recipes.keypoints(gradient_steps=3, warmup_steps=1, batch_size=8)
+
+
+def spec(seed: int = 0, observation: str = "keypoints") -> RunSpec:
+    return RunSpec(task="pick-place", seed=seed, training=TINY, evaluation=Evaluation(episodes=3),
+                   collection=Collection(task="pick-place", method="static", timesteps=100, observation=observation))
+
+
+@pytest.fixture(scope="module")
+def honest(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("honest")
+    return run.run(spec(), folder / "results", scratch=folder / "runs")
+
+
+def rng(seed: int = 0) -> np.random.Generator:
+    return np.random.default_rng(seed)
+
+
+def test_an_honest_result_is_the_same(honest, tmp_path):
+    results.store(honest, tmp_path)
+    (row,) = verify.verify([honest.spec], tmp_path, 1, rng())
+    assert row["same"] and row["judged"] == "row by row" and row["difference"] == "none"
+
+
+def test_a_row_changed_under_a_fitting_digest_is_found_and_named(honest, tmp_path):
+    rows = [dict(row) for row in honest.rows]
+    rows[1]["steps"] -= 1
+    results.store(dataclasses.replace(honest, rows=rows), tmp_path)
+    assert verify.check_files(tmp_path)[0]["same"]  # no file check can see it
+    (row,) = verify.verify([honest.spec], tmp_path, 1, rng())
+    assert not row["same"] and row["difference"] == "row 1: steps 199, recomputed 200"
+
+
+def test_columns_that_only_new_results_have_are_no_difference(honest, tmp_path):
+    old = [{name: value for name, value in row.items() if not name.startswith("hand")} for row in honest.rows]
+    results.store(dataclasses.replace(honest, rows=old), tmp_path)
+    assert verify.verify([honest.spec], tmp_path, 1, rng())[0]["same"]
+
+
+@pytest.mark.parametrize("outcome, same", [(False, True), (True, False)])
+def test_on_another_processor_the_rate_is_judged_and_not_the_bits(honest, tmp_path, outcome, same):
+    """Three failures fit a rate of 0 whatever their steps; three successes do not."""
+    rows = [{**row, "success": outcome, "steps": 7} for row in honest.rows]
+    provenance = {**honest.provenance, "processor": "another"}
+    results.store(dataclasses.replace(honest, rows=rows, provenance=provenance), tmp_path)
+    (row,) = verify.verify([honest.spec], tmp_path, 1, rng())
+    assert row["same"] is same and "other processor" in row["judged"]
+
+
+def test_every_file_is_checked_against_its_digest_and_its_name(honest, tmp_path):
+    path = results.store(honest, tmp_path)
+    whole = path.read_text()
+    assert [row["same"] for row in verify.check_files(tmp_path)] == [True]
+    content = json.loads(whole)
+    content["rows"]["steps"][0] += 1
+    path.write_text(json.dumps(content))
+    assert "digest" in verify.check_files(tmp_path)[0]["difference"]
+    path.write_text(whole)
+    path.rename(tmp_path / f"{spec(seed=9).hash}.json")
+    assert "hash" in verify.check_files(tmp_path)[0]["difference"]
+
+
+def test_a_sample_holds_a_run_from_pixels_and_none_twice(honest):
+    stored = [dataclasses.replace(honest, spec=spec(seed)) for seed in range(30)]
+    pixels = dataclasses.replace(honest, spec=spec(99, "rgb"))
+    for seed in range(10):
+        drawn = verify.draw_sample([*stored, pixels, *stored], 5, rng(seed))
+        assert pixels in drawn and len({result.spec.hash for result in drawn}) == 5
+    samples = {tuple(result.spec.seed for result in verify.draw_sample(stored, 5, rng(seed))) for seed in range(10)}
+    assert len(samples) > 5
+
+
+@pytest.fixture
+def tampered(honest, tmp_path, monkeypatch):
+    rows = [{**row, "steps": 1} for row in honest.rows]
+    results.store(dataclasses.replace(honest, rows=rows), tmp_path)
+    monkeypatch.setattr(paths, "results", lambda profile: tmp_path)
+    monkeypatch.setattr(cli, "chosen_specs", lambda profile, figures: {"figure": [honest.spec]})
+    return next(tmp_path.glob("*.json"))
+
+
+def test_a_difference_ends_the_command_with_exit_code_1(tampered):
+    outcome = typer.testing.CliRunner().invoke(cli.app, ["verify"])
+    assert outcome.exit_code == 1 and "recomputed 200" in " ".join(outcome.output.split())
+    assert "--seed" in outcome.output
+
+
+def test_checking_every_file_ends_with_exit_code_1_at_a_damaged_one(tampered):
+    runner = typer.testing.CliRunner()
+    assert runner.invoke(cli.app, ["verify", "--all"]).exit_code == 0
+    tampered.write_text(tampered.read_text().replace('"seed": 0', '"seed": 1'))
+    assert runner.invoke(cli.app, ["verify", "--all"]).exit_code == 1
+
+
+def test_all_shipped_results_fit_their_digests_and_their_names():
+    for profile in ("laptop", "laptop-keypoints"):
+        rows = verify.check_files(paths.results(profile))
+        assert len(rows) > 60 and [row for row in rows if not row["same"]] == []
