@@ -9,11 +9,11 @@ NUMBERED := $(filter fig% table1% table2% table3% table4% table5% table6%,$(NOTE
 SHORT := $(foreach name,$(NUMBERED),$(firstword $(subst _, ,$(name))))
 
 .DEFAULT_GOAL := help
-.PHONY: help setup figures test plan verify lab bench doctor lock clean fig8 $(NOTEBOOKS) $(SHORT)
+.PHONY: help setup figures test test-slow plan verify lab bench doctor lock clean fig8 $(NOTEBOOKS) $(SHORT)
 
 help:  ## print this list
 	@echo "usage: make TARGET [PROFILE=smoke|laptop|...] [CLUSTER=tcp://host:8786] [TORCH_INDEX=url]"
-	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  %-10s %s\n", $$1, $$2}'
+	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  %-10s %s\n", $$1, $$2}'
 	@echo "  one figure or table: $(sort $(NOTEBOOKS))"
 
 setup: $(READY)  ## build .venv from environment.lock
@@ -22,7 +22,7 @@ $(READY): environment.lock environment-cuda.lock pyproject.toml tools/install.py
 	@$(PYTHON) -c 'import sys; sys.exit(None if sys.version_info[:2] == (3, 11) else "make: Python 3.11 is needed; name it with make PYTHON=...")'
 	$(PYTHON) -m venv --clear .venv
 	$(BIN)/python tools/install.py
-	@$(BIN)/python -c 'import move.sim.observe as o; p = o.gl_problem(); p and print(p)'
+	@$(BIN)/python -c 'from move.machine import gl_problem as g; p = g(); p and print(p)'
 	@touch $@
 
 figures: $(READY)  ## run what is missing, then every notebook: all figures and tables
@@ -42,7 +42,10 @@ fig8: table3_real_robot
 test: $(READY)  ## run every test
 	$(BIN)/python -m ruff check move tests tools
 	$(BIN)/nbstripout --verify --keep-id notebooks/*.ipynb
-	$(BIN)/python -m pytest -q -n 2
+	$(BIN)/python -m pytest -q -n 2 -m "not slow"
+
+test-slow: $(READY)  ## run the tests that take minutes: the paper's own batch
+	$(BIN)/python -m pytest -q -m slow
 
 plan: $(READY)  ## what would run, how long it takes, and why
 	$(BIN)/move plan --profile $(PROFILE)

@@ -5,12 +5,12 @@ Importing the package makes its scenes known to Gymnasium as MOVE/<task>-v0.
 
 import gymnasium
 
-from move.sim.observe import choose_gl
+from move.machine import choose_gl
 from move.sim.tasks import TASKS
 
 choose_gl()
 
 for _name in TASKS:
-    gymnasium.register(f"MOVE/{_name}-v0", "move.sim.scene:Scene", max_episode_steps=200, kwargs={"task": _name})
+    gymnasium.register(f"MOVE/{_name}-v0", "move.sim.scene.scene:Scene", max_episode_steps=200, kwargs={"task": _name})
 
 __version__ = "0.1.0"

@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Any, Optional
 
@@ -53,17 +55,15 @@ def settings(model: type[BaseModel], **values: Any) -> Any:
         raise BadInput(first_problem(error)) from error
 
 
-def progress(label: str):
+@contextmanager
+def progress(label: str) -> Iterator[Callable[..., None]]:
     """A callable (done, total, ...) that draws a bar with the time left on standard error."""
-    from tqdm import tqdm
+    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
-    bar = tqdm(total=1, desc=label, file=sys.stderr, disable=not sys.stderr.isatty(), leave=False)
-
-    def update(done: int, total: int, *rest: float) -> None:
-        bar.total, bar.n = total, done
-        bar.refresh() if done == total else bar.update(0)
-
-    return update
+    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=Console(stderr=True), transient=True, disable=not sys.stderr.isatty()) as bars:
+        bar = bars.add_task(label, total=None)
+        yield lambda done, total, *rest: bars.update(bar, completed=done, total=total)
 
 
 @app.command()
@@ -88,7 +88,8 @@ def collect(
     chosen = settings(collecting.Collection, task=task, method=method, timesteps=timesteps, observation=observation,
                       image_size=image_size, factors=factors, protocol=protocol, expert=expert)
     path = out or paths.BUILD / "data" / f"{task}-{method}-{protocol}-{observation}-{timesteps}-{seed}.zarr"
-    demonstrations, record = collecting.collect(chosen, seed, progress("collect"))
+    with progress("collect") as report:
+        demonstrations, record = collecting.collect(chosen, seed, report)
     attributes = collecting.record_attributes(chosen, seed, record)
     dataset.save(demonstrations, path, attributes)
     content = {"path": str(path), "task": task, "method": method, **attributes["record"]}
@@ -133,10 +134,11 @@ def train(
     recipe = load_profile(profile).recipe(observation, demonstrations.timesteps).model_dump()
     if gradient_steps is not None:
         recipe |= {"gradient_steps": gradient_steps, "warmup_steps": min(recipe["warmup_steps"], gradient_steps // 2)}
-    _, report = training.train(demonstrations, settings(Training, **recipe), seed, checkpoint=out,
-                               on_step=progress("train"))
-    show({"checkpoint": str(out), "gradient_steps": recipe["gradient_steps"], "loss": report.curve[-1][1],
-          "seconds": report.seconds, "precision": report.precision, "parameters": report.parameters}, as_json, "Policy")
+    with progress("train") as report:
+        _, trained = training.train(demonstrations, settings(Training, **recipe), seed, checkpoint=out, on_step=report)
+    show({"checkpoint": str(out), "gradient_steps": recipe["gradient_steps"], "loss": trained.curve[-1][1],
+          "seconds": trained.seconds, "precision": trained.precision, "parameters": trained.parameters}, as_json,
+         "Policy")
 
 
 @app.command()
@@ -153,6 +155,7 @@ def evaluate(
     """Evaluate a policy, or a control, on the fixed configurations of a task."""
     import numpy as np
 
+    from move.learn import agents
     from move.learn import evaluate as evaluating
     from move.learn.checkpoint import load_policy
     from move.sim.tasks import FACTORS, get_task
@@ -161,15 +164,16 @@ def evaluate(
     if factors not in FACTORS:
         raise BadInput(f"factors: {factors!r} given; allowed are {', '.join(FACTORS)}")
     plan = settings(evaluating.Evaluation, layout=layout, episodes=episodes, factors=factors)
-    if player not in ("policy", *evaluating.CONTROLS):
-        raise BadInput(f"player: {player!r} given; allowed are policy, {', '.join(evaluating.CONTROLS)}")
+    if player not in ("policy", *agents.CONTROLS):
+        raise BadInput(f"player: {player!r} given; allowed are policy, {', '.join(agents.CONTROLS)}")
     if player == "policy" and checkpoint is None:
         raise BadInput("checkpoint: none given; a policy needs the folder that `move train` wrote")
     policy = load_policy(checkpoint) if player == "policy" else None
-    who = evaluating.PolicyPlayer(policy, seed) if policy else evaluating.CONTROLS[player](seed)
+    who = agents.PolicyPlayer(policy, seed) if policy else agents.CONTROLS[player](seed)
     image = policy is not None and len(policy.observation_shape) == 3
-    rows = evaluating.evaluate(who, get_task(task), plan, "rgb" if image else "keypoints",
-                               policy.observation_shape[0] if image else 96, progress("evaluate"))
+    with progress("evaluate") as report:
+        rows = evaluating.evaluate(who, get_task(task), plan, "rgb" if image else "keypoints",
+                                   policy.observation_shape[0] if image else 96, report)
     rate = success_rate(np.array([[row["success"] for row in rows]]))
     content = {"player": player, "task": task, "episodes": len(rows), "success_rate": rate.value, "low": rate.low,
                "high": rate.high, "mean_steps": float(np.mean([row["steps"] for row in rows]))}

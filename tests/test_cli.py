@@ -106,7 +106,7 @@ def test_make_alone_prints_its_targets():
 
 
 def test_without_gl_there_is_one_clear_line_and_keypoints_go_on():
-    program = ("from move.sim.observe import gl_problem; from move.sim.scene import Scene\n"
+    program = ("from move.machine import gl_problem; from move.sim.scene.scene import Scene\n"
                "from move.errors import BadInput\n"
                "assert 'libegl1' in gl_problem() and '\\n' not in gl_problem()\n"
                "Scene().reset(seed=0)\n"

@@ -7,11 +7,11 @@ from pydantic import ValidationError
 from move.errors import BadInput
 from move.sim import collect as collecting
 from move.sim.collect import METHODS, Collection, attempts, collect, collecting_env
-from move.sim.experts import make_expert
-from move.sim.jumping import Jumps
-from move.sim.moving import CameraMotion, Motions, ObjectTranslation, TargetTranslation, with_motions
-from move.sim.protocols import CIRCLE, circle_points, grasp_point, sparse_points
-from move.sim.scene import Scene
+from move.sim.experts.phase import make_expert
+from move.sim.grasp_points import CIRCLE, circle_points, grasp_point, sparse_points
+from move.sim.motion.adc import Jumps
+from move.sim.motion.wrappers import CameraMotion, Motions, ObjectTranslation, TargetTranslation, with_motions
+from move.sim.scene.scene import Scene
 from move.sim.tasks import get_task
 
 TASK = get_task("pick-place")

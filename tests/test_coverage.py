@@ -6,12 +6,12 @@ import pandas as pd
 import pytest
 import recipes
 
-from move.learn import evaluate as evaluating
+from move.learn import rollout
 from move.learn.evaluate import Evaluation
 from move.learn.train import train
+from move.machine import gl_problem
 from move.report import film
 from move.sim.collect import Collection, collect
-from move.sim.observe import gl_problem
 from move.sim.tasks import get_task
 from move.study import coverage
 from move.study.spec import RunSpec
@@ -89,7 +89,7 @@ def test_episodes_are_drawn_in_a_seeded_order_until_one_succeeds_and_one_fails(m
     training = recipes.keypoints(gradient_steps=2, warmup_steps=1, batch_size=8)
     spec = RunSpec(task="pick-place", seed=0, collection=plan, training=training, evaluation=Evaluation(episodes=6))
     policy, _ = train(collect(plan, 0)[0], training, 0)
-    monkeypatch.setattr(evaluating, "EPISODE_STEPS", 6)
+    monkeypatch.setattr(rollout, "EPISODE_STEPS", 6)
     row, frames = film.episode_frames(policy, spec, 4, 32)
     assert row["trial"] == 4 and frames.shape == (7, 32, 32, 3)
     played = []

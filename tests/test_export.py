@@ -9,9 +9,9 @@ import pytest
 
 from move.errors import BadInput
 from move.learn import dataset
+from move.realworld import open_dataset
 from move.sim.demonstrations import Demonstrations
 from move.study import export as exporting
-from move.study.realworld import open_dataset
 
 ATTRIBUTES = {"collection": {"task": "pick-place", "method": "move"}, "seed": 3}
 ENDS = np.array([7, 12, 20])

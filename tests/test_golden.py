@@ -1,4 +1,4 @@
-"""Golden test: Pick-Place's data sets and evaluations, byte for byte.
+"""Golden test: data sets of every task by every method, and Pick-Place's protocols and evaluations, byte for byte.
 
 A failure means that stored results no longer belong to this code. If the change is meant, raise RESULTS_VERSION in
 move/study/spec.py, write the digests printed by the failing assertions here, and say why in the commit's message.
@@ -9,7 +9,8 @@ import json
 
 import pytest
 
-from move.learn.evaluate import Evaluation, Expert, evaluate, trials
+from move.learn.agents import Expert
+from move.learn.evaluate import Evaluation, evaluate, trials
 from move.sim.collect import Collection, collect
 from move.sim.tasks import get_task
 
@@ -34,6 +35,38 @@ TRIED = {
     ("grid", "sparse", "all"): "12d16aee7432fedc",
     ("grid", "circle", "all"): "04b090260dae0aeb",
 }
+EVERY_TASK = {
+    ("pick-place", "static"): "c1e396b858e8d321",
+    ("pick-place", "adc"): "47fb5112d68bb2fa",
+    ("pick-place", "move"): "d8c790ac7b125e83",
+    ("push", "static"): "7506e0fa9bdf10fd",
+    ("push", "adc"): "f818fcc4a79d01c9",
+    ("push", "move"): "b02b57f928c13a1e",
+    ("assembly", "static"): "a37bcd36786b856b",
+    ("assembly", "adc"): "1e553424d773fa27",
+    ("assembly", "move"): "6e8e355280dcb2ea",
+    ("box-close", "static"): "14bfa13e7149d5f3",
+    ("box-close", "adc"): "e78357947b70f9ae",
+    ("box-close", "move"): "4ef5f178f0463ec2",
+    ("hammer", "static"): "8a9eed82f975e8ad",
+    ("hammer", "adc"): "1751d482ec075a8c",
+    ("hammer", "move"): "800b29fc2b92f4ac",
+    ("pick-place-wall", "static"): "0c98c7298fb08b4e",
+    ("pick-place-wall", "adc"): "81ef0bb59886e501",
+    ("pick-place-wall", "move"): "a893f7559cc4b79e",
+    ("window-open", "static"): "3c6f5f9020b9626e",
+    ("window-open", "adc"): "3563768de820d055",
+    ("window-open", "move"): "ef072f521f513a65",
+    ("faucet-open", "static"): "1b33e66062d241f4",
+    ("faucet-open", "adc"): "3aeee06529cee9ad",
+    ("faucet-open", "move"): "a757bd72ef05a0c6",
+    ("disassemble", "static"): "7a6e3c4196c4df1c",
+    ("disassemble", "adc"): "44994cbf0c23d05c",
+    ("disassemble", "move"): "f927c230a2329f35",
+    ("basketball", "static"): "6123f0fab4946b26",
+    ("basketball", "adc"): "56be9ce04cbe4d45",
+    ("basketball", "move"): "257257a993d99599",
+}
 PLAYED = "b42758b2ebdcf051"
 
 
@@ -50,6 +83,14 @@ def test_data_sets_stay(method: str, protocol: str, factors: str) -> None:
     assert found == COLLECTED[method, protocol, factors]
 
 
+@pytest.mark.parametrize("task, method", EVERY_TASK)
+def test_data_sets_of_every_task_stay(task: str, method: str) -> None:
+    made, record = collect(Collection(task=task, method=method, timesteps=200), seed=0)
+    found = digest(made.observations.tobytes(), made.actions.tobytes(), made.episode_ends.tobytes(),
+                   repr(record.grasps).encode())
+    assert found == EVERY_TASK[task, method]
+
+
 @pytest.mark.parametrize("layout, points, factors", TRIED)
 def test_trials_stay(layout: str, points: str, factors: str) -> None:
     listed = trials(get_task("pick-place"), Evaluation(layout=layout, points=points, factors=factors))
@@ -58,5 +99,5 @@ def test_trials_stay(layout: str, points: str, factors: str) -> None:
 
 def test_rows_stay() -> None:
     rows = evaluate(Expert("phase"), get_task("pick-place"), Evaluation(episodes=20))
-    kept = ("trial", "group", "object_x", "object_y", "success", "success_steps", "steps")  # what the first results hold
+    kept = ("trial", "group", "object_x", "object_y", "success", "success_steps", "steps")
     assert digest(json.dumps([{name: row[name] for name in kept} for row in rows]).encode()) == PLAYED

@@ -8,7 +8,7 @@ from pydantic import ValidationError
 
 from move.sim import collect as collecting
 from move.sim.collect import Collection, attempts, collect, collecting_env, required_jumps
-from move.sim.jumping import JUMP_DISTANCE, MENDED, PERIODIC, Jumping
+from move.sim.motion.adc import JUMP_DISTANCE, MENDED, PERIODIC, Jumping
 from move.sim.tasks import TASKS, get_task
 from move.study.run import run
 from move.study.spec import RunSpec

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from scipy import stats
 
 from move.errors import BadInput
-from move.sim import motion
 from move.sim.configuration import Box, Disc, reflect
+from move.sim.motion import equations
 
 BOX = Box((-0.2, 0.5, 0.02), (0.1, 0.8, 0.02))
 DISC = Disc((-0.05, 0.65), 0.15)
@@ -30,17 +30,17 @@ def inside_disc(a: float, b: float) -> tuple[float, float, float]:
 
 @given(unit, unit, velocities, times)
 def test_translation_never_leaves_its_box(a, b, velocity, time):
-    assert BOX.contains(motion.translate(inside_box(a, b), velocity, time, BOX))
+    assert BOX.contains(equations.translate(inside_box(a, b), velocity, time, BOX))
 
 
 @given(unit, unit, velocities, times)
 def test_translation_never_leaves_its_disc(a, b, velocity, time):
-    assert DISC.contains(motion.translate(inside_disc(a, b), velocity, time, DISC))
+    assert DISC.contains(equations.translate(inside_disc(a, b), velocity, time, DISC))
 
 
 @given(unit, unit, velocities, st.integers(0, 100))
 def test_speed_is_constant_between_bounces(a, b, velocity, time):
-    here, there = (motion.translate(inside_box(a, b), velocity, t, BOX) for t in (time, time + 1))
+    here, there = (equations.translate(inside_box(a, b), velocity, t, BOX) for t in (time, time + 1))
     for axis in (0, 1):
         free = BOX.low[axis] + 0.031 < here[axis] < BOX.high[axis] - 0.031  # no bounce within one step
         step = abs(there[axis] - here[axis])
@@ -51,7 +51,7 @@ def test_speed_is_constant_between_bounces(a, b, velocity, time):
 @given(unit, unit, velocities, st.integers(0, 60))
 def test_the_path_in_a_disc_is_a_straight_chord(a, b, velocity, time):
     start = inside_disc(a, b)
-    x, y, z = motion.translate(start, velocity, time, DISC)
+    x, y, z = equations.translate(start, velocity, time, DISC)
     across = (x - start[0]) * velocity[1] - (y - start[1]) * velocity[0]
     assert across == pytest.approx(0.0, abs=1e-9) and z == start[2]
 
@@ -71,24 +71,24 @@ def test_reflect_agrees_with_bouncing_step_by_step(start, velocity, time):
 def test_traced_back_and_played_forward_it_arrives(a, b, velocity, steps):
     for inside, region in ((inside_box, BOX), (inside_disc, DISC)):
         grasp = inside(a, b)
-        assert region.contains(motion.translate(grasp, velocity, -steps, region))
-        assert motion.translate(grasp, velocity, 0, region) == pytest.approx(grasp)
+        assert region.contains(equations.translate(grasp, velocity, -steps, region))
+        assert equations.translate(grasp, velocity, 0, region) == pytest.approx(grasp)
 
 
 @given(st.floats(0, math.pi), st.floats(-0.02, 0.02), times)
 def test_angles_stay_in_their_range(start, velocity, time):
-    assert -1e-9 <= motion.turn(start, velocity, time, 0.0, math.pi) <= math.pi + 1e-9
+    assert -1e-9 <= equations.turn(start, velocity, time, 0.0, math.pi) <= math.pi + 1e-9
 
 
 def test_speeds_follow_beta_2_5():
     rng = np.random.default_rng(0)
-    speeds = np.array([motion.draw_speed(rng, 0.03) for _ in range(5000)]) / 0.03
+    speeds = np.array([equations.draw_speed(rng, 0.03) for _ in range(5000)]) / 0.03
     assert stats.kstest(speeds, stats.beta(2, 5).cdf).pvalue > 0.01
 
 
 def test_directions_in_the_plane_are_uniform_unit_vectors():
     rng = np.random.default_rng(1)
-    directions = np.array([motion.draw_direction(rng, 2) for _ in range(5000)])
+    directions = np.array([equations.draw_direction(rng, 2) for _ in range(5000)])
     assert np.linalg.norm(directions, axis=1) == pytest.approx(1.0)
     angles = np.arctan2(directions[:, 1], directions[:, 0])
     assert stats.kstest(angles, stats.uniform(-np.pi, 2 * np.pi).cdf).pvalue > 0.01
@@ -97,7 +97,7 @@ def test_directions_in_the_plane_are_uniform_unit_vectors():
 
 def test_directions_on_the_sphere_are_uniform_unit_vectors():
     rng = np.random.default_rng(2)
-    directions = np.array([motion.draw_direction(rng, 3) for _ in range(5000)])
+    directions = np.array([equations.draw_direction(rng, 3) for _ in range(5000)])
     assert np.linalg.norm(directions, axis=1) == pytest.approx(1.0)
     for axis in range(3):  # Archimedes: each coordinate of a uniform point on the sphere is uniform
         assert stats.kstest(directions[:, axis], stats.uniform(-1, 2).cdf).pvalue > 0.01
@@ -105,7 +105,7 @@ def test_directions_on_the_sphere_are_uniform_unit_vectors():
 
 def test_signs_are_fair():
     rng = np.random.default_rng(3)
-    signs = [motion.draw_sign(rng) for _ in range(2000)]
+    signs = [equations.draw_sign(rng) for _ in range(2000)]
     assert set(signs) == {-1, 1} and stats.binomtest(signs.count(1), 2000).pvalue > 0.01
 
 

@@ -1,14 +1,15 @@
 """The paper's own scale: its recipe, and one run of each kind from end to end on a CPU with three gradient steps."""
 
 import shutil
+from pathlib import Path
 
 import pytest
 import torch
 
-from move.learn import evaluate
+from move.learn import rollout
 from move.learn.checkpoint import load_policy
 from move.learn.evaluate import Evaluation
-from move.sim.observe import gl_problem
+from move.machine import gl_problem
 from move.study import experiments, plan, results, run
 from move.study.profiles import load_profile
 from move.study.spec import RunSpec
@@ -28,18 +29,14 @@ def kinds() -> dict[str, RunSpec]:
     return {kind: specs[index % len(specs)] for index, (kind, specs) in enumerate(found.items())}
 
 
-def cut(spec: RunSpec) -> RunSpec:
-    """The same run with three gradient steps, few timesteps and one evaluation episode.
-
-    The batch is the paper's for one kind of run and small for the others, which differ in where they grasp.
-    """
+def cut(spec: RunSpec, batch_size: int = 8) -> RunSpec:
+    """The same run with three gradient steps, a small batch, few timesteps and one evaluation episode."""
     changes = {"evaluation": Evaluation(episodes=1, factors=spec.evaluation.factors)}
     if spec.collection:
         changes["collection"] = spec.collection.model_copy(update={"timesteps": 40})
     if spec.training:
-        batch = spec.training.batch_size if (spec.observation, protocol(spec)) == ("rgb", "random") else 8
         changes["training"] = spec.training.model_copy(
-            update={"gradient_steps": 3, "warmup_steps": 1, "batch_size": batch})
+            update={"gradient_steps": 3, "warmup_steps": 1, "batch_size": batch_size})
     return spec.model_copy(update=changes)
 
 
@@ -52,8 +49,18 @@ def test_the_kinds_cover_every_player_and_protocol():
 
 @pytest.mark.parametrize("name", kinds())
 def test_a_run_of_each_kind_passes_from_end_to_end(name, tmp_path, monkeypatch):
-    monkeypatch.setattr(evaluate, "EPISODE_STEPS", 6)
-    spec = cut(kinds()[name])
+    monkeypatch.setattr(rollout, "EPISODE_STEPS", 6)
+    pass_from_end_to_end(cut(kinds()[name]), tmp_path)
+
+
+@pytest.mark.slow(reason="minutes on a CPU; `make test-slow`")
+def test_a_run_with_the_papers_batch_passes_from_end_to_end(tmp_path, monkeypatch):
+    monkeypatch.setattr(rollout, "EPISODE_STEPS", 6)
+    pass_from_end_to_end(cut(kinds()["policy-rgb-random"], batch_size=128), tmp_path)
+
+
+def pass_from_end_to_end(spec: RunSpec, tmp_path: Path) -> None:
+    """Collect, train and evaluate, and look at what is left of it."""
     if spec.observation == "rgb" and gl_problem():
         pytest.skip(gl_problem())
     result = run.run(spec, tmp_path / "results", scratch=tmp_path / "runs")

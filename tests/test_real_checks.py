@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 import real_writers as w
 
-from move.study.paper import TABLE3_REAL
-from move.study.realworld import check_dataset, checks_table, open_dataset, write_sample
-from move.study.realworld.checks import OUTCOMES
-from move.study.realworld.piper import LIMITS_RAD, flange_pose, flange_transform, reach
-from move.study.realworld.sample import SIZE
-from move.study.realworld.tracking import object_places, object_speeds, seen_share
-from move.study.realworld.workspace import equal_budget
+from move.paper import TABLE3_REAL
+from move.realworld import check_dataset, checks_table, open_dataset, write_sample
+from move.realworld.checks import OUTCOMES
+from move.realworld.piper import LIMITS_RAD, flange_pose, flange_transform, reach
+from move.realworld.sample import SIZE
+from move.realworld.tracking import object_places, object_speeds, seen_share
+from move.realworld.workspace import equal_budget
 
 
 @pytest.fixture(scope="session")

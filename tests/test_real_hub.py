@@ -17,7 +17,7 @@ from huggingface_hub.errors import (
 from huggingface_hub.utils import httpx
 
 from move.errors import BadInput
-from move.study.realworld import dataset, hub, open_dataset
+from move.realworld import dataset, hub, open_dataset
 
 COMMIT = "0123456789abcdef0123456789abcdef01234567"
 

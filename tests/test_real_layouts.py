@@ -11,9 +11,9 @@ import pytest
 import real_writers as w
 
 from move.errors import BadInput
-from move.study.realworld import open_dataset
-from move.study.realworld.columns import split_columns
-from move.study.realworld.detect import detect
+from move.realworld import open_dataset
+from move.realworld.detect import detect
+from move.realworld.state_columns import split_columns
 
 
 def red(frames: np.ndarray) -> np.ndarray:

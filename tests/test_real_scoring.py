@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from move.errors import BadInput
-from move.study.realworld.scoring import paired_test, read_sheet, score_table
+from move.realworld.scoring import paired_test, read_sheet, score_table
 
 HEADER = "trial,method,position_x_m,position_y_m,score\n"
 

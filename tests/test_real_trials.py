@@ -9,12 +9,13 @@ from hypothesis import strategies as st
 from scipy import stats
 
 from move.errors import BadInput
-from move.study.realworld import trials as t
+from move.intervals import exact_interval
+from move.realworld import trials as t
 
 
 @pytest.mark.parametrize(("successes", "n"), [(0, 30), (1, 30), (7, 30), (30, 30), (3, 7)])
 def test_exact_interval_solves_its_definition(successes, n):
-    low, high = t.exact_interval(successes, n)
+    low, high = exact_interval(successes, n)
     if successes:
         assert stats.binom.sf(successes - 1, n, low) == pytest.approx(0.025)
     if successes < n:
@@ -25,14 +26,14 @@ def test_exact_interval_solves_its_definition(successes, n):
 @settings(max_examples=20, deadline=None)
 @given(st.floats(0.02, 0.98))
 def test_exact_interval_covers_at_least_as_often_as_it_says(rate):
-    inside = [low <= rate <= high for low, high in (t.exact_interval(k, 30) for k in range(31))]
+    inside = [low <= rate <= high for low, high in (exact_interval(k, 30) for k in range(31))]
     assert stats.binom.pmf(np.arange(31), 30, rate)[inside].sum() >= 0.95
 
 
 @pytest.mark.parametrize("bad", [(-1, 30), (31, 30), (0, 0)])
 def test_impossible_counts_are_refused(bad):
     with pytest.raises(BadInput, match=r"allowed are 0\.\.trials"):
-        t.exact_interval(*bad)
+        exact_interval(*bad)
 
 
 def test_the_papers_comparisons():

@@ -7,8 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from move.errors import BadInput
-from move.study.realworld import open_dataset
-from move.study.realworld.units import FACTORS, RANGES, by_size, units_table
+from move.realworld import open_dataset
+from move.realworld.units import FACTORS, RANGES, by_size, units_table
 
 # The rows of the table of known sources: joints scale, gripper values, unit of each, gripper in SI or 0..1.
 SOURCES = {

@@ -11,12 +11,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from move.realworld import tracking, workspace
+from move.realworld.episode import RobotEpisode
+from move.realworld.frames import Frames
+from move.realworld.piper import flange_pose
+from move.realworld.trials import real_table
 from move.report import real_figures, real_plots, style, tables
-from move.study.realworld import tracking, workspace
-from move.study.realworld.episode import RobotEpisode
-from move.study.realworld.frames import Frames
-from move.study.realworld.piper import flange_pose
-from move.study.realworld.trials import real_table
 
 
 def episode(xy, gripper=None, method="move", index=0, frames=None):

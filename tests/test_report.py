@@ -9,12 +9,15 @@ import numpy as np  # noqa: E402
 import pandas as pd  # noqa: E402
 import pytest  # noqa: E402
 
-from move import paths  # noqa: E402
+from move import (
+    paper,  # noqa: E402
+    paths,  # noqa: E402
+)
 from move.report import page, plots, style, tables  # noqa: E402
 from move.sim.collect import Collection  # noqa: E402
 from move.sim.configuration import Disc  # noqa: E402
 from move.sim.tasks import TASKS  # noqa: E402
-from move.study import experiments, paper, results, statistics  # noqa: E402
+from move.study import experiments, results, statistics  # noqa: E402
 from move.study.spec import RunSpec  # noqa: E402
 
 

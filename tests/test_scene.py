@@ -11,10 +11,10 @@ from metaworld.env_dict import ALL_V3_ENVIRONMENTS
 from metaworld.policies import ENV_POLICY_MAP
 
 from move.errors import BadInput
-from move.sim import camera
-from move.sim.experts import make_expert
-from move.sim.observe import gl_problem
-from move.sim.scene import Scene
+from move.machine import gl_problem
+from move.sim.experts.phase import make_expert
+from move.sim.scene import camera
+from move.sim.scene.scene import Scene
 from move.sim.tasks import FACTORS, get_task
 
 needs_gl = pytest.mark.skipif(gl_problem() is not None, reason="no GL library on this machine")

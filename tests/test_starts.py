@@ -8,8 +8,8 @@ import pytest
 from pydantic import ValidationError
 
 from move.sim.collect import Collection, attempts, collect
-from move.sim.protocols import grasp_point
-from move.sim.scene import Scene
+from move.sim.grasp_points import grasp_point
+from move.sim.scene.scene import Scene
 from move.sim.tasks import get_task
 from move.study.spec import RunSpec
 

@@ -10,16 +10,17 @@ import pytest
 import recipes
 from pydantic import ValidationError
 
-from move import paths
+from move import paper, paths
 from move.errors import BadInput
-from move.learn.evaluate import Evaluation, Expert, Nothing, PolicyPlayer, Random, evaluate, trials
+from move.learn.agents import Expert, Nothing, PolicyPlayer, Random
+from move.learn.evaluate import Evaluation, evaluate, trials
 from move.learn.train import train
 from move.report import notebooks, page
 from move.sim.collect import Collection, collect
 from move.sim.configuration import SpatialConfiguration
-from move.sim.scene import EPISODE_STEPS, Scene
+from move.sim.scene.scene import EPISODE_STEPS, Scene
 from move.sim.tasks import get_task
-from move.study import execute, experiments, paper, policies, profiles, results, run
+from move.study import execute, experiments, policies, profiles, results, run
 from move.study.plan import TRIAL_MINUTES, plan_rows
 from move.study.profiles import load_profile
 from move.study.spec import RunSpec

@@ -12,13 +12,14 @@ from metaworld.env_dict import ALL_V3_ENVIRONMENTS
 
 import move  # noqa: F401, registers the scenes
 from move.errors import BadInput
-from move.learn.evaluate import Evaluation, Expert, GoalBlind, Nothing, evaluate, trials
+from move.learn.agents import Expert, GoalBlind, Nothing
+from move.learn.evaluate import Evaluation, evaluate, trials
 from move.sim.collect import METHODS, Collection, collect, collecting_env, demonstrate
-from move.sim.experts import make_expert
+from move.sim.experts.phase import make_expert
 from move.sim.geometry import wrapped
-from move.sim.scene import Scene
-from move.sim.task import kept_share
+from move.sim.scene.scene import Scene
 from move.sim.tasks import TASKS, get_task
+from move.sim.tasks.task import kept_share
 
 NAMES = tuple(TASKS)
 WITH_YAW = tuple(name for name in NAMES if TASKS[name].has_yaw)

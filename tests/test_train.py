@@ -15,7 +15,8 @@ from move.learn import train as train_module
 from move.learn.checkpoint import load_policy, read
 from move.learn.diffusion import DiffusionPolicy
 from move.learn.settings import Training
-from move.learn.train import precision_used, step_generator, train
+from move.learn.train import step_generator, train
+from move.machine import precision_used
 from move.sim.demonstrations import Demonstrations
 
 

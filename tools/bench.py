@@ -21,16 +21,16 @@ from metaworld.policies import ENV_POLICY_MAP  # noqa: E402
 from rich.console import Console  # noqa: E402
 from rich.table import Table  # noqa: E402
 
-from move.learn.evaluate import Evaluation, PolicyPlayer, evaluate  # noqa: E402
-from move.learn.train import keep_freed_memory, train  # noqa: E402
+from move.learn.agents import PolicyPlayer  # noqa: E402
+from move.learn.evaluate import Evaluation, evaluate  # noqa: E402
+from move.learn.train import train  # noqa: E402
+from move.machine import gl_problem, gl_renderer, keep_freed_memory, peak_memory_mb, processor  # noqa: E402
 from move.paths import figures  # noqa: E402
 from move.sim.collect import Collection, attempts, collect  # noqa: E402
-from move.sim.observe import gl_problem, gl_renderer  # noqa: E402
-from move.sim.scene import Scene  # noqa: E402
+from move.sim.scene.scene import Scene  # noqa: E402
 from move.sim.tasks import get_task  # noqa: E402
 from move.study.plan import step_seconds  # noqa: E402
 from move.study.profiles import load_profile  # noqa: E402
-from move.study.provenance import peak_memory_mb, processor  # noqa: E402
 
 TASK = "pick-place"
 torch.set_num_threads(1)

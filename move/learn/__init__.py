@@ -7,4 +7,7 @@ denoisers.py   noisy actions, diffusion time and features to a prediction
 diffusion.py   the Diffusion Policy: its loss and its DDIM sampler
 train.py       gradient steps, learning-rate schedule, averaged weights
 checkpoint.py  a training run on disk
+agents.py      what acts in an evaluation: a policy, or a control
+rollout.py     the loop that steps the episodes together
+evaluate.py    which configurations are tried, and one row an episode
 """

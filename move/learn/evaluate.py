@@ -1,32 +1,26 @@
 """Evaluation: fixed configurations, all episodes stepped together, one row an episode.
 
 The configurations of a task and setting are the same for every method and seed, and come from a stream that no
-training uses. The policy looks at two timesteps and acts for three, batched over the episodes still running; pictures
-are drawn only for the timesteps it looks at.
+training uses. What acts is in `agents.py`, the loop that steps the episodes in `rollout.py`.
 """
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Callable, Container, Sequence
 from dataclasses import dataclass, replace
-from typing import Literal, Protocol
+from typing import Literal
 
 import numpy as np
-import torch
 from pydantic import BaseModel, ConfigDict, Field
 
-from move.errors import BadInput
-from move.learn.diffusion import DiffusionPolicy
+from move.learn.agents import Player
+from move.learn.rollout import Played, roll_out
 from move.sim.configuration import SpatialConfiguration
-from move.sim.experts import Expert as ScriptedExpert
-from move.sim.experts import make_expert
-from move.sim.protocols import circle_points, sparse_points
-from move.sim.scene import EPISODE_STEPS, SUCCESS_STEPS, Scene
-from move.sim.task import Task
+from move.sim.grasp_points import circle_points, sparse_points
+from move.sim.scene.scene import Scene
+from move.sim.tasks.task import Task
 
 CONFIGURATION_STREAM = 2  # first word of the seed of the configurations
-PLAY_STREAM = 3  # first word of the seed of a player's own randomness
 TOGETHER = 160  # episodes stepped together at most
 
 
@@ -80,128 +74,6 @@ def grid(task: Task, side: int) -> list[tuple[float, float, float]]:
     return [(float(x), float(y), low[2]) for x in xs for y in ys]
 
 
-class Player(Protocol):
-    """Whatever acts in an evaluation: a policy or a control.
-
-    `action_steps` actions are executed before it is asked again; `looks` says whether it needs observations.
-    """
-
-    action_steps: int
-    looks: bool
-
-    def start(self, scenes: list[Scene]) -> None:
-        """Begin with all episodes."""
-
-    def act(self, running: list[int], scenes: list[Scene], observations: np.ndarray | None) -> np.ndarray:
-        """Actions (len(running), action_steps, action_size) for the episodes whose numbers are in `running`."""
-
-
-class PolicyPlayer:
-    """A diffusion policy; an episode's noise does not depend on which others are still running."""
-
-    looks = True
-
-    def __init__(self, policy: DiffusionPolicy, seed: int) -> None:
-        self.policy, self.settings = policy, policy.training_settings
-        self.action_steps = self.settings.action_horizon
-        self.generator = torch.Generator().manual_seed(_play_seed(seed))
-
-    def start(self, scenes: list[Scene]) -> None:
-        """Remember how many episodes there are."""
-        self.shape = (len(scenes), self.settings.prediction_horizon, scenes[0].action_space.shape[0])
-
-    def act(self, running: list[int], scenes: list[Scene], observations: np.ndarray) -> np.ndarray:
-        """Denoise the actions of all running episodes in one batch."""
-        noise = torch.randn(self.shape, generator=self.generator)[running]
-        return self.policy.act(observations, noise=noise)
-
-
-class Nothing:
-    """The control that never moves."""
-
-    action_steps, looks = 1, False
-
-    def start(self, scenes: list[Scene]) -> None:
-        """Nothing to do."""
-
-    def act(self, running: list[int], scenes: list[Scene], observations: None) -> np.ndarray:
-        """Zeros."""
-        return np.zeros((len(running), 1, scenes[0].action_space.shape[0]), np.float32)
-
-
-class Random:
-    """The control that acts uniformly at random."""
-
-    action_steps, looks = 1, False
-
-    def __init__(self, seed: int) -> None:
-        self.rng = np.random.default_rng(_play_seed(seed))
-
-    def start(self, scenes: list[Scene]) -> None:
-        """Remember how many episodes there are."""
-        self.shape = (len(scenes), 1, scenes[0].action_space.shape[0])
-
-    def act(self, running: list[int], scenes: list[Scene], observations: None) -> np.ndarray:
-        """Uniform actions in [-1, 1]."""
-        return self.rng.uniform(-1, 1, self.shape).astype(np.float32)[running]
-
-
-class Expert:
-    """The ceiling: a scripted expert, one for each episode."""
-
-    action_steps, looks = 1, False
-
-    def __init__(self, name: str) -> None:
-        self.name = name
-
-    def start(self, scenes: list[Scene]) -> None:
-        """Call one expert for each episode."""
-        self.experts = [make_expert(self.name, scene.task) for scene in scenes]
-
-    def act(self, running: list[int], scenes: list[Scene], observations: None) -> np.ndarray:
-        """What the experts would do."""
-        return np.stack([self.experts[number].action(scenes[number])[None] for number in running])
-
-
-class GoalBlind(Expert):
-    """The floor: the phase expert, told that the target is at the middle of its range; scored on the true target.
-
-    Raises:
-        BadInput: a task without a target.
-    """
-
-    def __init__(self) -> None:
-        super().__init__("phase")
-
-    def start(self, scenes: list[Scene]) -> None:
-        """Call one expert for each episode."""
-        if not scenes[0].task.has_target:
-            raise BadInput(f"goal-blind: {scenes[0].task.name} has no target; allowed are tasks with one")
-        super().start(scenes)
-
-    def act(self, running: list[int], scenes: list[Scene], observations: None) -> np.ndarray:
-        """What the experts would do if the target were in the middle."""
-        return np.stack([self._mistaken(self.experts[number], scenes[number])[None] for number in running])
-
-    @staticmethod
-    def _mistaken(expert: ScriptedExpert, scene: Scene) -> np.ndarray:
-        with scene.pretending(scene.task.target_range.centre):
-            return expert.action(scene)
-
-
-CONTROLS: dict[str, Callable[[int], Player]] = {
-    "nothing": lambda seed: Nothing(),
-    "random": Random,
-    "expert": lambda seed: Expert("phase"),
-    "goal-blind": lambda seed: GoalBlind(),
-}
-"""Every player that is no policy, made from a seed."""
-
-
-def _play_seed(seed: int) -> int:
-    return int(np.random.SeedSequence([PLAY_STREAM, seed]).generate_state(1)[0])
-
-
 def evaluate(
     player: Player,
     task: Task,
@@ -232,61 +104,18 @@ def evaluate(
     listed, rows = trials(task, evaluation, own), []
     for first in range(0, len(listed), together):
         batch = listed[first : first + together]
-        chosen = [number for number in range(len(batch)) if only is None or first + number in only]
-
-        def look(number: int, scene: Scene, first: int = first) -> None:
-            if watch:
-                watch(first + number, scene)
-
-        def ended(episodes: int, first: int = first) -> None:
-            if on_step:
-                on_step(first + episodes, len(listed))
-
-        played = _play(player, task, batch, chosen, observation, image_size, ended, look)
-        rows += [_row(first + number, batch[number], scene, successes) for number, scene, successes in played]
+        played = roll_out(
+            player, task, [trial.configuration for trial in batch], observation, image_size,
+            only=None if only is None else [number for number in range(len(batch)) if first + number in only],
+            on_ended=(lambda episodes, first=first: on_step(first + episodes, len(listed))) if on_step else None,
+            watch=(lambda number, scene, first=first: watch(first + number, scene)) if watch else None,
+        )
+        rows += [_row(first + one.number, batch[one.number], one) for one in played]
     return rows
 
 
-def _play(
-    player: Player, task: Task, batch: list[Trial], chosen: list[int], observation: str, image_size: int,
-    on_ended: Callable[[int], None], watch: Callable[[int, Scene], None],
-) -> list[tuple[int, Scene, int]]:
-    """Play the `chosen` of a batch to their ends: number, scene and successful steps of each."""
-    scenes = [Scene(task, observation if player.looks else "keypoints", image_size) for _ in batch]
-    windows: dict[int, list[np.ndarray]] = {}
-    for number in chosen:
-        seen, _ = scenes[number].reset(options={"configuration": batch[number].configuration})
-        windows[number] = [seen, seen]
-        watch(number, scenes[number])
-    successes, running = [0] * len(batch), chosen
-    player.start(scenes)
-    while running:
-        observations = np.stack([np.stack(windows[number]) for number in running]) if player.looks else None
-        for number, actions in zip(running, player.act(running, scenes, observations), strict=True):
-            look = functools.partial(watch, number)
-            successes[number] += _execute(scenes[number], actions, successes[number], windows[number], player.looks,
-                                          look)
-        running = [n for n in running if scenes[n].steps < EPISODE_STEPS and successes[n] < SUCCESS_STEPS]
-        on_ended(len(chosen) - len(running))
-    return [(number, scenes[number], successes[number]) for number in chosen]
-
-
-def _execute(scene: Scene, actions: np.ndarray, successes: int, window: list[np.ndarray], looks: bool,
-             watch: Callable[[Scene], None]) -> int:
-    """Execute one decision; keep the last two observations in `window`; return how many steps succeeded."""
-    gained = 0
-    for index, action in enumerate(actions):
-        if scene.steps >= EPISODE_STEPS or successes + gained >= SUCCESS_STEPS:
-            break
-        scene.advance(action)
-        gained += scene.success
-        watch(scene)
-        if looks and index >= len(actions) - 2:
-            window[:] = [window[1], scene.observe()]
-    return gained
-
-
-def _row(number: int, trial: Trial, scene: Scene, successes: int) -> dict:
-    row = {"trial": number, "group": trial.group, **trial.configuration.columns(), "success": successes > 0,
-           "success_steps": successes, "steps": scene.steps}
-    return row | {"strict_success": scene.strict_steps > 0} if scene.task.strict_success else row
+def _row(number: int, trial: Trial, played: Played) -> dict:
+    row = {"trial": number, "group": trial.group, **trial.configuration.columns(), "success": played.successes > 0,
+           "success_steps": played.successes, "steps": played.scene.steps}
+    strict = played.scene.task.strict_success
+    return row | {"strict_success": played.scene.strict_steps > 0} if strict else row

@@ -4,7 +4,6 @@ Batch order, crops, noise levels and noise are a pure function of (seed, step). 
 that stopped and went on from its checkpoint therefore ends with the same bits as training straight through.
 """
 
-import ctypes
 import hashlib
 import math
 import time
@@ -22,11 +21,11 @@ from move.learn.checkpoint import Checkpoint
 from move.learn.dataset import window_indices
 from move.learn.diffusion import DiffusionPolicy
 from move.learn.settings import Training
+from move.machine import keep_freed_memory, one_thread, precision_used
 from move.sim.demonstrations import Demonstrations
 
 CURVE_POINTS = 50
 CHECKPOINT_SECONDS = 180.0
-M_TRIM_THRESHOLD, M_MMAP_MAX = -1, -4  # of glibc's malloc.h
 OnStep = Callable[[int, int, float], None]
 
 
@@ -74,31 +73,6 @@ def average_decay(training: Training, averaged_steps: int) -> float:
     [0.0, 0.405, 0.875, 0.999]
     """
     return min(training.ema_decay, 1 - (1 + averaged_steps) ** -training.ema_power)
-
-
-def precision_used(wanted: str, device: str = "cpu") -> str:
-    """bfloat16 only if it is wanted and the processor multiplies it itself; else float32."""
-    if device == "cpu":
-        able = torch.cpu.get_capabilities()
-        native = able.get("avx512_bf16", False) or able.get("amx_bf16", False)
-    else:
-        native = torch.cuda.is_bf16_supported(including_emulation=False)
-    return "bfloat16" if wanted == "bfloat16" and native else "float32"
-
-
-def best_device() -> str:
-    """"cuda" where torch finds a GPU, else "cpu"."""
-    return "cuda" if torch.cuda.is_available() else "cpu"
-
-
-def keep_freed_memory() -> None:
-    """Ask glibc to hold on to what tensors free: else each step fetches it anew, a quarter of the time with images."""
-    try:
-        library = ctypes.CDLL(None)
-        library.mallopt(M_MMAP_MAX, 0)
-        library.mallopt(M_TRIM_THRESHOLD, 2**31 - 1)
-    except (OSError, AttributeError, TypeError):  # another C library: slower, nothing else
-        return
 
 
 def fingerprint(demonstrations: Demonstrations) -> str:
@@ -241,6 +215,7 @@ def train(
     observations do not suit the settings.
     """
     keep_freed_memory()
+    one_thread()
     saved = checkpoints.read(checkpoint, device) if checkpoint else None
     trainer = Trainer(demonstrations, training, seed, device)
     if saved:

@@ -6,13 +6,14 @@ from pathlib import Path
 
 import numpy as np
 
+from move.learn.agents import PolicyPlayer
 from move.learn.diffusion import DiffusionPolicy
-from move.learn.evaluate import PolicyPlayer, evaluate
+from move.learn.evaluate import evaluate
 from move.sim.collect import Collection, attempts
-from move.sim.moving import Motions
+from move.sim.motion.wrappers import Motions
 from move.sim.tasks import get_task
-from move.study.realworld.writing import write_video
 from move.study.spec import RunSpec
+from move.video import write_video
 
 FRAMES_PER_SECOND = 25  # two timesteps of three are shown at real speed
 

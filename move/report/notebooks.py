@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import os
-import re
-import subprocess
-import sys
-import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import papermill
-import yaml
+from nbclient.exceptions import DeadKernelError
+from papermill.exceptions import PapermillExecutionError
 
 from move import paths
 from move.errors import BadInput
@@ -54,37 +53,47 @@ def notebook_parameters(name: str, profile: str, changes: dict[str, Any]) -> dic
 def run_notebook(
     name: str, profile: str, changes: dict[str, Any] | None = None, stored_only: bool = False
 ) -> Path:
-    """Execute notebook `name`; the executed copy and its log stay under build/notebooks/.
+    """Execute notebook `name`; the executed copy stays under build/notebooks/.
 
     With `stored_only` the notebook runs nothing that is missing.
 
     Raises:
         BadInput: parameters that the notebook does not have, or bad input found inside it.
-        NotebookFailed: a cell failed, or the kernel died.
+        NotebookFailed: a cell failed, or the kernel died twice.
     """
     folder = paths.BUILD / "notebooks" / profile
     folder.mkdir(parents=True, exist_ok=True)
-    given, executed = folder / f"{name}.yaml", folder / f"{name}.ipynb"
-    given.write_text(yaml.safe_dump(notebook_parameters(name, profile, changes or {})))
-    command = [sys.executable, "-m", "papermill", "--no-progress-bar", "--log-level", "ERROR", "-k", "python3",
-               "--cwd", str(paths.NOTEBOOKS), "-f", str(given), str(paths.NOTEBOOKS / f"{name}.ipynb"), str(executed)]
-    done = paths.BUILD / "notebooks" / profile / f"{name}.done"
-    done.unlink(missing_ok=True)
-    told = {"MOVE_DONE": str(done)} | ({"MOVE_STORED_ONLY": "1"} if stored_only else {})
+    executed, problem = folder / f"{name}.ipynb", ""
+    given = notebook_parameters(name, profile, changes or {})
     for _ in range(STARTS):
-        outcome = subprocess.run(command, env={**os.environ, **told}, capture_output=True, text=True)
-        if outcome.returncode == 0 and done.exists():
+        try:
+            with _environment({"MOVE_STORED_ONLY": "1"} if stored_only else {}):
+                done = papermill.execute_notebook(
+                    paths.NOTEBOOKS / f"{name}.ipynb", executed, given, kernel_name="python3", progress_bar=False,
+                    cwd=paths.NOTEBOOKS, extra_arguments=["--log-level=ERROR"])
+        except PapermillExecutionError as error:
+            if error.ename == "BadInput":
+                raise BadInput(error.evalue) from error
+            raise NotebookFailed(f"{name}.ipynb failed: {error.ename}: {error.evalue} (see {executed})") from error
+        except (DeadKernelError, RuntimeError) as error:
+            problem = str(error)
+            continue
+        if all(cell.execution_count for cell in done.cells if cell.cell_type == "code" and cell.source):
             return executed
-        if bad := re.findall(r"^BadInput: (.*)$", outcome.stderr, re.MULTILINE):
-            raise BadInput(bad[-1])
-        if "Kernel died" not in outcome.stderr:
-            break
-    (folder / f"{name}.log").write_text(outcome.stderr)
-    last = (outcome.stderr.strip().splitlines() or ["no message"])[-1]
-    raise NotebookFailed(f"{name}.ipynb failed: {last} (see {executed})")
+        problem = "the kernel died before the last cell"
+    raise NotebookFailed(f"{name}.ipynb failed: {problem} (see {executed})")
 
 
-def finished() -> None:
-    """Called by a notebook's last cell: leaves the mark that tells its runner that every cell ran."""
-    if mark := os.environ.get("MOVE_DONE"):
-        Path(mark).write_text(time.strftime("%Y-%m-%dT%H:%M:%S\n"))
+@contextmanager
+def _environment(variables: dict[str, str]) -> Iterator[None]:
+    """For a while, what a kernel started here finds in its environment."""
+    before = {name: os.environ.get(name) for name in variables}
+    os.environ.update(variables)
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value

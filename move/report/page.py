@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from move import paths
 from move.errors import BadInput
-from move.report import notebooks, style
+from move.report import style
 from move.study.execute import execute
 from move.study.profiles import load_profile
 from move.study.results import Result, split, table
@@ -61,7 +61,7 @@ def gather(specs: list[RunSpec], profile: str) -> Gathered:
 
 
 def publish(name: str, figure: Figure | None, tables: dict[str, pd.DataFrame], gathered: Gathered) -> None:
-    """Write the figure (PDF, PNG) and the tables (CSV, LaTeX) of a notebook, and mark it as finished."""
+    """Write the figure (PDF, PNG) and the tables (CSV, LaTeX) of a notebook."""
     publish_alone(name, figure, tables, gathered.profile, gathered.source)
 
 
@@ -70,7 +70,6 @@ def publish_alone(
 ) -> None:
     """`publish` for a notebook that needs no runs; `source` is the small print under the figure."""
     write(name, figure, tables, profile, source)
-    notebooks.finished()
 
 
 def write(name: str, figure: Figure | None, tables: dict[str, pd.DataFrame], profile: str, source: str) -> None:

@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
 from matplotlib.patches import Circle, Rectangle
 
+from move.intervals import student_half_width
 from move.report.style import COLOURS, NAMES
 from move.sim.configuration import Disc
 from move.sim.tasks import TASKS
@@ -200,7 +201,7 @@ def changes(table: pd.DataFrame, ax: Axes) -> None:
 def costs(table: pd.DataFrame, value: str, paper: dict[str, float], ax: Axes) -> None:
     """Mean over the tasks of `value` for each method, one bar an expert, single tasks as dots, the paper dotted.
 
-    The error bar is the mean's normal 95 % interval from the spread of the tasks.
+    The error bar is Student's 95 % interval of the mean, from the spread of the tasks.
 
     Args:
         table: task, method, expert and the column `value`.
@@ -211,8 +212,8 @@ def costs(table: pd.DataFrame, value: str, paper: dict[str, float], ax: Axes) ->
         for expert, shift in zip(experts, (-0.2, 0.2), strict=True):
             values = table[(table.method == method) & (table.expert == expert)][value]
             ax.bar(place + shift, values.mean(), width=0.36, color=COLOURS[method], alpha=0.9 if shift < 0 else 0.45)
-            spread = 1.96 * values.sem() if len(values) > 1 else 0.0
-            ax.errorbar(place + shift, values.mean(), spread, color="black", capsize=3, lw=1)
+            half = student_half_width(values.std(), len(values))
+            ax.errorbar(place + shift, values.mean(), half, color="black", capsize=3, lw=1)
             ax.plot(np.full(len(values), place + shift + 0.1), values, ".", color="#444444", ms=2.5)
         if method in paper:
             ax.plot([place - 0.42, place + 0.42], [paper[method]] * 2, color="black", ls=":", lw=1.4)

@@ -19,8 +19,8 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.patches import Patch, Wedge
 
+from move.paper import REAL_RADIUS_M
 from move.report.style import COLOURS, NAMES
-from move.study.paper import REAL_RADIUS_M
 
 
 def success_cells(table: pd.DataFrame, ax: Axes) -> None:

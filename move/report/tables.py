@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
+from move import paper
 from move.report.style import NAMES
 from move.sim.collect import METHODS
 from move.sim.configuration import Disc
-from move.sim.task import kept_share
 from move.sim.tasks import TASKS
-from move.study import paper
+from move.sim.tasks.task import kept_share
 from move.study.experiments import recipe_change
 from move.study.profiles import load_profile
 from move.study.results import Result
@@ -244,7 +244,7 @@ def printed_trials(table: pd.DataFrame) -> pd.DataFrame:
     """Table 3 as it is printed: counts, per cent with the exact interval, scores with the range they could have.
 
     Args:
-        table: from `move.study.realworld.trials.real_table`.
+        table: from `move.realworld.trials.real_table`.
     """
     rows = [
         {"timesteps": f"{row.timesteps // 1000}k", "method": NAMES[row.method],
@@ -257,7 +257,7 @@ def printed_trials(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def printed_pairs(table: pd.DataFrame) -> pd.DataFrame:
-    """Pairs of cells with the methods' display names, from `move.study.realworld.trials.comparisons`."""
+    """Pairs of cells with the methods' display names, from `move.realworld.trials.comparisons`."""
     cells = {column: [cell.split() for cell in table[column]] for column in ("first", "second")}
     return table.assign(**{column: [f"{NAMES[method]} {size}" for method, size in cell]
                            for column, cell in cells.items()})

@@ -1,1 +1,13 @@
-"""A scene that moves: tasks, motions, camera, observations, experts and the collection of demonstrations."""
+"""A scene that moves, and the collection of demonstrations.
+
+tasks/             what a task is, and the ten of the paper
+scene/             a task whose spatial configuration can be changed while it runs
+motion/            equations 1 to 3, MOVE's and ADC's wrappers
+experts/           who demonstrates
+configuration.py   ranges and spatial configurations
+geometry.py        vectors and angles
+observe.py         what a policy sees: keypoints or images
+grasp_points.py    where demonstrations grasp in the preliminary experiments
+collect.py         demonstrations under an exact budget of timesteps
+demonstrations.py  what collection produces and training consumes
+"""

@@ -19,11 +19,11 @@ from pydantic import BaseModel, ConfigDict, Field, field_validator, model_valida
 from move.errors import BadInput
 from move.sim.configuration import SpatialConfiguration, Vector
 from move.sim.demonstrations import Demonstrations
-from move.sim.experts import Expert, make_expert
-from move.sim.jumping import Jumping, Jumps, jumping_phases
-from move.sim.moving import Motions, with_motions
-from move.sim.protocols import grasp_point, motion_region
-from move.sim.scene import EPISODE_STEPS, SUCCESS_STEPS, Scene
+from move.sim.experts.phase import Expert, make_expert
+from move.sim.grasp_points import grasp_point, motion_region
+from move.sim.motion.adc import Jumping, Jumps, jumping_phases
+from move.sim.motion.wrappers import Motions, with_motions
+from move.sim.scene.scene import EPISODE_STEPS, SUCCESS_STEPS, Scene
 from move.sim.tasks import FACTORS, TASKS, Task, get_task
 
 METHODS = ("static", "adc", "move")

@@ -1,23 +1,19 @@
 """What a policy sees: keypoints in the camera's frame, or an RGB picture drawn in software.
 
 Pictures use the fast settings: no shadows, reflections, skybox or multisampling, and an offscreen buffer no larger
-than the picture. Without a GL library keypoints still work; `gl_problem` says what is missing.
+than the picture. Without a GL library keypoints still work; `move.machine.gl_problem` says what is missing.
 """
 
 from __future__ import annotations
 
 import atexit
-import ctypes.util
-import importlib
 import math
-import os
-import sys
-from functools import cache
 
 import numpy as np
 
 from move.errors import BadInput
-from move.sim import camera
+from move.machine import gl_problem
+from move.sim.scene import camera
 
 ROBOT_POINTS = ("site:rightEndEffector", "site:leftEndEffector", "body:hand")
 LANDMARKS = {  # corners of the table's working area: they tell the policy where the camera is
@@ -26,27 +22,6 @@ LANDMARKS = {  # corners of the table's working area: they tell the policy where
     "landmark:back-right": (0.6, 0.9, 0.0),
     "landmark:back-left": (-0.6, 0.9, 0.0),
 }
-
-
-def choose_gl() -> None:
-    """Choose a way to draw without a screen; an explicit MUJOCO_GL is left alone.
-
-    MuJoCo reads the choice when it is imported, so if it was imported before, it is made to read it again.
-    """
-    if sys.platform == "linux" and "MUJOCO_GL" not in os.environ:
-        library = next((name for name in ("EGL", "OSMesa") if ctypes.util.find_library(name)), "disable")
-        os.environ["MUJOCO_GL"] = library.lower()
-        if "mujoco.gl_context" in sys.modules:
-            importlib.reload(sys.modules["mujoco.gl_context"])
-    if os.environ.get("MUJOCO_GL") == "egl":
-        os.environ.setdefault("PYOPENGL_PLATFORM", "egl")
-
-
-def gl_problem() -> str | None:
-    """One line that says why pictures cannot be drawn and which package mends it; None when they can."""
-    if sys.platform != "linux" or os.environ.get("MUJOCO_GL") != "disable":
-        return None
-    return "no GL library found: apt-get install libegl1 (Debian) or use macOS's own; keypoint work goes on without"
 
 
 def keypoint_names(task_points: tuple[str, ...]) -> tuple[str, ...]:
@@ -102,19 +77,3 @@ class Painter:
         self._camera.azimuth = math.degrees(camera_angle) + 180.0
         self._renderer.update_scene(data, camera=self._camera)
         return self._renderer.render().copy()
-
-
-@cache
-def gl_renderer() -> str:
-    """The GL renderer's own name, for provenance ("none" without GL); llvmpipe means drawn in software."""
-    if gl_problem():
-        return "none"
-    from mujoco import gl_context
-    from OpenGL import GL
-
-    context = gl_context.GLContext(16, 16)
-    context.make_current()
-    try:
-        return GL.glGetString(GL.GL_RENDERER).decode()
-    finally:
-        context.free()

@@ -8,9 +8,8 @@ from importlib.metadata import PackageNotFoundError, version
 
 import psutil
 
+from move.machine import gl_problem, gl_renderer, processor
 from move.paths import LOCK
-from move.sim.observe import gl_problem, gl_renderer
-from move.study.provenance import processor
 
 MEMORY_GB = 4.0  # two image runs beside each other, and room to breathe
 Check = dict[str, str]

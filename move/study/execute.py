@@ -30,25 +30,19 @@ from rich.progress import (
 )
 
 from move.errors import BadInput
+from move.machine import default_workers, one_thread_in_children
 from move.paths import RUNS
 from move.study.results import Result, check_writable, split
 from move.study.run import run_and_report
 from move.study.spec import RunSpec
 
-THREAD_VARIABLES = ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS", "LP_NUM_THREADS")
 PART_SHARE = {"collect": (0.0, 0.1), "train": (0.1, 0.75), "evaluate": (0.85, 0.15)}  # start and share of a run's time
-
-
-def default_workers() -> int:
-    """One a core; on a machine with GPUs one a GPU."""
-    return torch.cuda.device_count() or os.cpu_count() or 1
 
 
 @contextmanager
 def process_pool(workers: int) -> Iterator[Executor]:
     """A pool of fresh processes, one thread each, that take the machine's GPUs in turn."""
-    for name in THREAD_VARIABLES:
-        os.environ.setdefault(name, "1")
+    one_thread_in_children()
     context = multiprocessing.get_context("spawn")
     started = context.Value("i", 0)
     executor = ProcessPoolExecutor(workers, mp_context=context, initializer=_begin, initargs=(started,))

@@ -16,8 +16,8 @@ from pydantic import Field, ValidationError, validate_call
 from move.errors import BadInput
 from move.learn.evaluate import Evaluation
 from move.sim.collect import METHODS, Collection
-from move.sim.experts import EXPERTS
-from move.sim.scene import EPISODE_STEPS
+from move.sim.experts.phase import EXPERTS
+from move.sim.scene.scene import EPISODE_STEPS
 from move.sim.tasks import FACTORS, TASKS, get_task
 from move.study.profiles import first_problem, load_profile
 from move.study.spec import RunSpec

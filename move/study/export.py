@@ -32,11 +32,12 @@ import pyarrow.parquet as pq
 
 from move.errors import BadInput
 from move.learn import dataset
+from move.realworld.lerobot_files import scalar_columns, scalar_features, vectors
 from move.sim.demonstrations import Demonstrations
 from move.sim.observe import keypoint_names
-from move.sim.scene import Scene
+from move.sim.scene.scene import Scene
 from move.sim.tasks import TASKS
-from move.study.realworld.writing import scalar_columns, scalar_features, vectors, write_video
+from move.video import write_video
 
 FORMATS = ("lerobot", "zarr")
 FPS = int(Scene.metadata["render_fps"])  # timesteps a second

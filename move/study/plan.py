@@ -11,12 +11,12 @@ import numpy as np
 import torch
 
 from move.learn.settings import Training
-from move.learn.train import Trainer, best_device
+from move.learn.train import Trainer
+from move.machine import accelerator, best_device, processor
 from move.paths import results
 from move.sim.demonstrations import Demonstrations
-from move.sim.scene import Scene
+from move.sim.scene.scene import Scene
 from move.study.profiles import Profile, load_profile
-from move.study.provenance import accelerator, processor
 from move.study.results import Result, split
 from move.study.spec import RunSpec
 

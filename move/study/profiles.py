@@ -11,8 +11,8 @@ from pydantic import BaseModel, ConfigDict, Field, PositiveInt, ValidationError,
 
 from move.errors import BadInput
 from move.learn.settings import Training
+from move.machine import gl_problem
 from move.paths import PROFILES
-from move.sim.observe import gl_problem
 
 
 class Profile(BaseModel):

@@ -4,16 +4,12 @@ from __future__ import annotations
 
 import os
 import platform
-import resource
 import subprocess
-import sys
 from functools import cache
 from importlib.metadata import version
 
-import torch
-
+from move.machine import accelerator, gl_renderer, peak_memory_mb, processor
 from move.paths import ROOT
-from move.sim.observe import gl_renderer
 
 PACKAGES = ("metaworld", "mujoco", "gymnasium", "numpy", "torch", "diffusers")
 
@@ -28,27 +24,6 @@ def commit() -> str:
         return head.stdout.strip() + ("+" if changed.stdout.strip() else "")
     except (OSError, subprocess.CalledProcessError):
         return "unknown"
-
-
-@cache
-def processor() -> str:
-    """The processor's name."""
-    try:
-        with open("/proc/cpuinfo") as lines:
-            return next(line.split(":")[1].strip() for line in lines if line.startswith("model name"))
-    except (OSError, StopIteration):
-        return platform.processor() or platform.machine()
-
-
-def accelerator() -> str:
-    """The name of the GPU that training uses, or "none"."""
-    return torch.cuda.get_device_name() if torch.cuda.is_available() else "none"
-
-
-def peak_memory_mb() -> float:
-    """The largest resident size of this process so far, in megabytes."""
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    return peak / (1e6 if sys.platform == "darwin" else 1e3)
 
 
 def provenance(draws: bool) -> dict:

@@ -10,16 +10,17 @@ from dataclasses import asdict
 from itertools import islice
 from pathlib import Path
 
-import torch
 from filelock import FileLock
 
 from move.errors import BadInput
+from move.learn.agents import CONTROLS, Player, PolicyPlayer
 from move.learn.diffusion import DiffusionPolicy
-from move.learn.evaluate import CONTROLS, Player, PolicyPlayer, evaluate
-from move.learn.train import TrainingReport, best_device, train
+from move.learn.evaluate import evaluate
+from move.learn.train import TrainingReport, train
+from move.machine import best_device, one_thread
 from move.paths import RUNS
 from move.sim.collect import CollectionRecord, attempts, collect
-from move.sim.jumping import Jumping
+from move.sim.motion.adc import Jumping
 from move.sim.tasks import get_task
 from move.study.provenance import provenance
 from move.study.results import Result, store
@@ -38,7 +39,7 @@ def run(
     differ in their evaluation alone share one training there, whose time counts in the result of each. Demonstrations
     are not kept: the spec and the seed make the same ones again.
     """
-    torch.set_num_threads(1)
+    one_thread()
     report = on_progress or (lambda part, done, total: None)
     seconds: dict[str, float] = {}
     collected = trained = None

@@ -9,9 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from statsmodels.stats.proportion import proportion_confint
 
-CONFIDENCE = 0.95
+from move.intervals import CONFIDENCE, wilson_interval
+
 DRAWS = 2000  # of the bootstrap
 
 
@@ -61,8 +61,7 @@ def success_rate(successes: np.ndarray) -> Rate:
         raise ValueError("success_rate: no episode given; allowed is at least one")
     effective = successes.size / design_effect(successes)
     rate = float(successes.mean())
-    low, high = proportion_confint(rate * effective, effective, alpha=1 - CONFIDENCE, method="wilson")
-    low, high = min(float(low), rate), max(float(high), rate)  # against rounding at 0 and 1
+    low, high = wilson_interval(rate, effective)
     return Rate(rate, low, high, seeds=len(successes), episodes=successes.size)
 
 

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from move.errors import BadInput
+from move.machine import processor
 from move.study import run as running
-from move.study.provenance import processor
 from move.study.results import Result, split
 from move.study.spec import RunSpec
 

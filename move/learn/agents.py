@@ -1,0 +1,153 @@
+"""What acts in an evaluation: a policy, or one of the controls between which policies are read.
+
+    PolicyPlayer    a diffusion policy
+    Nothing         never moves
+    Random          acts uniformly at random
+    Expert          the ceiling: a scripted expert
+    GoalBlind       the floor: the expert, told a wrong target
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Protocol
+
+import numpy as np
+import torch
+
+from move.errors import BadInput
+from move.learn.diffusion import DiffusionPolicy
+from move.sim.experts.phase import Expert as ScriptedExpert
+from move.sim.experts.phase import make_expert
+from move.sim.scene.scene import Scene
+
+PLAY_STREAM = 3  # first word of the seed of a player's own randomness
+
+
+class Player(Protocol):
+    """Whatever acts in an evaluation: a policy or a control.
+
+    `action_steps` actions are executed before it is asked again, by the last `observation_horizon` observations; 0 is
+    for one that needs none.
+    """
+
+    action_steps: int
+    observation_horizon: int
+
+    def start(self, scenes: list[Scene]) -> None:
+        """Begin with all episodes."""
+
+    def act(self, running: list[int], scenes: list[Scene], observations: np.ndarray | None) -> np.ndarray:
+        """Actions for the episodes whose numbers are in `running`.
+
+        Args:
+            observations: (len(running), observation_horizon, ...), the newest last; None where none are needed.
+
+        Returns:
+            (len(running), action_steps, action_size) float32 in [-1, 1].
+        """
+
+
+class PolicyPlayer:
+    """A diffusion policy; an episode's noise does not depend on which others are still running."""
+
+    def __init__(self, policy: DiffusionPolicy, seed: int) -> None:
+        self.policy, self.settings = policy, policy.training_settings
+        self.action_steps = self.settings.action_horizon
+        self.observation_horizon = self.settings.observation_horizon
+        self.generator = torch.Generator().manual_seed(_play_seed(seed))
+
+    def start(self, scenes: list[Scene]) -> None:
+        """Remember how many episodes there are."""
+        self.shape = (len(scenes), self.settings.prediction_horizon, scenes[0].action_space.shape[0])
+
+    def act(self, running: list[int], scenes: list[Scene], observations: np.ndarray) -> np.ndarray:
+        """Denoise the actions of all running episodes in one batch."""
+        noise = torch.randn(self.shape, generator=self.generator)[running]
+        return self.policy.act(observations, noise=noise)
+
+
+class Nothing:
+    """The control that never moves."""
+
+    action_steps, observation_horizon = 1, 0
+
+    def start(self, scenes: list[Scene]) -> None:
+        """Nothing to do."""
+
+    def act(self, running: list[int], scenes: list[Scene], observations: None) -> np.ndarray:
+        """Zeros."""
+        return np.zeros((len(running), 1, scenes[0].action_space.shape[0]), np.float32)
+
+
+class Random:
+    """The control that acts uniformly at random."""
+
+    action_steps, observation_horizon = 1, 0
+
+    def __init__(self, seed: int) -> None:
+        self.rng = np.random.default_rng(_play_seed(seed))
+
+    def start(self, scenes: list[Scene]) -> None:
+        """Remember how many episodes there are."""
+        self.shape = (len(scenes), 1, scenes[0].action_space.shape[0])
+
+    def act(self, running: list[int], scenes: list[Scene], observations: None) -> np.ndarray:
+        """Uniform actions in [-1, 1]."""
+        return self.rng.uniform(-1, 1, self.shape).astype(np.float32)[running]
+
+
+class Expert:
+    """The ceiling: a scripted expert, one for each episode."""
+
+    action_steps, observation_horizon = 1, 0
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+
+    def start(self, scenes: list[Scene]) -> None:
+        """Call one expert for each episode."""
+        self.experts = [make_expert(self.name, scene.task) for scene in scenes]
+
+    def act(self, running: list[int], scenes: list[Scene], observations: None) -> np.ndarray:
+        """What the experts would do."""
+        return np.stack([self.experts[number].action(scenes[number])[None] for number in running])
+
+
+class GoalBlind(Expert):
+    """The floor: the phase expert, told that the target is at the middle of its range; scored on the true target.
+
+    Raises:
+        BadInput: a task without a target.
+    """
+
+    def __init__(self) -> None:
+        super().__init__("phase")
+
+    def start(self, scenes: list[Scene]) -> None:
+        """Call one expert for each episode."""
+        if not scenes[0].task.has_target:
+            raise BadInput(f"goal-blind: {scenes[0].task.name} has no target; allowed are tasks with one")
+        super().start(scenes)
+
+    def act(self, running: list[int], scenes: list[Scene], observations: None) -> np.ndarray:
+        """What the experts would do if the target were in the middle."""
+        return np.stack([self._mistaken(self.experts[number], scenes[number])[None] for number in running])
+
+    @staticmethod
+    def _mistaken(expert: ScriptedExpert, scene: Scene) -> np.ndarray:
+        with scene.pretending(scene.task.target_range.centre):
+            return expert.action(scene)
+
+
+CONTROLS: dict[str, Callable[[int], Player]] = {
+    "nothing": lambda seed: Nothing(),
+    "random": Random,
+    "expert": lambda seed: Expert("phase"),
+    "goal-blind": lambda seed: GoalBlind(),
+}
+"""Every player that is no policy, made from a seed."""
+
+
+def _play_seed(seed: int) -> int:
+    return int(np.random.SeedSequence([PLAY_STREAM, seed]).generate_state(1)[0])

@@ -1,0 +1,136 @@
+"""What this machine has and how it is used: GL, device, precision, threads, memory, processor.
+
+torch is imported only by the functions that need it, so that importing the package stays quick.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import ctypes.util
+import importlib
+import os
+import platform
+import resource
+import sys
+from functools import cache
+
+THREAD_VARIABLES = ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS", "LP_NUM_THREADS")
+M_TRIM_THRESHOLD, M_MMAP_MAX = -1, -4  # of glibc's malloc.h
+
+
+# GL ------------------------------------------------------------------------------------------------------------------
+
+
+def choose_gl() -> None:
+    """Choose a way to render without a screen; an explicit MUJOCO_GL is left alone.
+
+    MuJoCo reads the choice when it is imported, so if it was imported before, it is made to read it again.
+    """
+    if sys.platform == "linux" and "MUJOCO_GL" not in os.environ:
+        library = next((name for name in ("EGL", "OSMesa") if ctypes.util.find_library(name)), "disable")
+        os.environ["MUJOCO_GL"] = library.lower()
+        if "mujoco.gl_context" in sys.modules:
+            importlib.reload(sys.modules["mujoco.gl_context"])
+    if os.environ.get("MUJOCO_GL") == "egl":
+        os.environ.setdefault("PYOPENGL_PLATFORM", "egl")
+
+
+def gl_problem() -> str | None:
+    """One line that says why images cannot be rendered and which package mends it; None when they can."""
+    if sys.platform != "linux" or os.environ.get("MUJOCO_GL") != "disable":
+        return None
+    return "no GL library found: apt-get install libegl1 (Debian) or use macOS's own; keypoint work goes on without"
+
+
+@cache
+def gl_renderer() -> str:
+    """The GL renderer's own name, for provenance ("none" without GL); llvmpipe means rendered in software."""
+    if gl_problem():
+        return "none"
+    from mujoco import gl_context
+    from OpenGL import GL
+
+    context = gl_context.GLContext(16, 16)
+    context.make_current()
+    try:
+        return GL.glGetString(GL.GL_RENDERER).decode()
+    finally:
+        context.free()
+
+
+# what computes -------------------------------------------------------------------------------------------------------
+
+
+def best_device() -> str:
+    """"cuda" where torch finds a GPU, else "cpu"."""
+    import torch
+
+    return "cuda" if torch.cuda.is_available() else "cpu"
+
+
+def precision_used(wanted: str, device: str = "cpu") -> str:
+    """bfloat16 only if it is wanted and the processor multiplies it itself; else float32."""
+    import torch
+
+    if device == "cpu":
+        able = torch.cpu.get_capabilities()
+        native = able.get("avx512_bf16", False) or able.get("amx_bf16", False)
+    else:
+        native = torch.cuda.is_bf16_supported(including_emulation=False)
+    return "bfloat16" if wanted == "bfloat16" and native else "float32"
+
+
+@cache
+def processor() -> str:
+    """The processor's name."""
+    try:
+        with open("/proc/cpuinfo") as lines:
+            return next(line.split(":")[1].strip() for line in lines if line.startswith("model name"))
+    except (OSError, StopIteration):
+        return platform.processor() or platform.machine()
+
+
+def accelerator() -> str:
+    """The name of the GPU that training uses, or "none"."""
+    import torch
+
+    return torch.cuda.get_device_name() if torch.cuda.is_available() else "none"
+
+
+def default_workers() -> int:
+    """One a core; on a machine with GPUs one a GPU."""
+    import torch
+
+    return torch.cuda.device_count() or os.cpu_count() or 1
+
+
+# threads and memory --------------------------------------------------------------------------------------------------
+
+
+def one_thread_in_children() -> None:
+    """Let processes started from here compute on one thread each, unless the environment says otherwise."""
+    for name in THREAD_VARIABLES:
+        os.environ.setdefault(name, "1")
+
+
+def one_thread() -> None:
+    """Compute on one thread: with networks this small several wait for each other, on a busy machine for minutes."""
+    import torch
+
+    torch.set_num_threads(1)
+
+
+def keep_freed_memory() -> None:
+    """Ask glibc to hold on to what tensors free: else each step fetches it anew, a quarter of the time with images."""
+    try:
+        library = ctypes.CDLL(None)
+        library.mallopt(M_MMAP_MAX, 0)
+        library.mallopt(M_TRIM_THRESHOLD, 2**31 - 1)
+    except (OSError, AttributeError, TypeError):  # another C library: slower, nothing else
+        return
+
+
+def peak_memory_mb() -> float:
+    """The largest resident size of this process so far, in megabytes."""
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return peak / (1e6 if sys.platform == "darwin" else 1e3)

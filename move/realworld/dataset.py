@@ -1,0 +1,166 @@
+"""Opening a real-robot data set, wherever it lies and whatever its layout."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import pandas as pd
+
+from move import paths
+from move.errors import BadInput
+from move.realworld import hub
+from move.realworld.detect import detect, list_folder
+from move.realworld.episode import EpisodeRef, Part, Recording, RobotEpisode, method_of
+from move.realworld.formats import LAYOUTS
+from move.realworld.units import UnitRow, convert, detect_units, read_units_file, units_table
+from move.realworld.untrusted_names import read_json
+
+# A file of this name at the root of a data set says that no robot was involved.
+SIMULATED = "SIMULATED.json"
+
+
+@dataclass(frozen=True)
+class RobotDataSet:
+    """What was opened, what was read of it, and what could not be read."""
+
+    source: str  # a folder, or owner/name
+    revision: str | None  # the commit, for a data set of the Hub
+    folder: Path  # where its files lie
+    episodes: tuple[RobotEpisode, ...]
+    contents: pd.DataFrame  # part, method, layout, episodes and timesteps in all (NaN: not told), episodes read
+    units: pd.DataFrame  # see `units.units_table`
+    unread: tuple[str, ...]  # one line for each chosen episode that could not be read
+    simulated: bool  # the data set itself says that it is simulated
+    about: dict  # what its `SIMULATED.json` holds
+
+    @property
+    def origin(self) -> str:
+        """One line on where the numbers come from; the same on every machine."""
+        where = f"{self.source} at {self.revision}" if self.revision else f"folder {self.folder.resolve().name}"
+        read = f"{len(self.episodes)} demonstrations read"
+        return f"simulated data, no robot: {read}" if self.simulated else f"{where}: {read}"
+
+
+def open_dataset(data: str | Path = hub.REPOSITORY, *, revision: str | None = hub.REVISION,
+                 episodes: int | Sequence[int] | None = 20, size_cap_gb: float = 2.0, folder: Path = paths.REALWORLD,
+                 units_file: Path | None = None, say: hub.Say = hub.silent) -> RobotDataSet:
+    """Open a real-robot data set of a local folder or of the Hugging Face Hub.
+
+    The layout is detected (LeRobot v2.1 or v3.0, Pika raw tree or HDF5, ACT HDF5, RoboMIND HDF5, zarr replay
+    buffer), and so are the units; both are reported. `BAAI/MOVE` itself could not be reached where this was
+    written, so neither its layout nor a commit is assumed.
+
+    Args:
+        data: a folder, or owner/name of a data set of the Hub.
+        revision: a full commit; None asks the Hub once for the newest and records it in the result. For a folder
+            it must be None.
+        episodes: how many of the first episodes to read of each part, or their numbers; None for all.
+        size_cap_gb: refuse to fetch more than this, in 10^9 bytes, before anything is fetched.
+        folder: where data of the Hub are kept.
+        units_file: overrides of the detected units, see `units`.
+        say: takes one line of progress.
+
+    Raises:
+        BadInput: one line that names what was given, what was found and what is allowed.
+    """
+    overrides = read_units_file(units_file)
+    if Path(data).is_dir():
+        if revision is not None:
+            raise BadInput(f"revision {revision!r} was given with the folder {data}; a folder has no revision")
+        root, remote = Path(data), None
+        parts = detect(list_folder(root), root)
+    elif str(data).count("/") == 1 and not Path(data).is_absolute() and not str(data).startswith("."):
+        remote = hub.list_remote(str(data), revision, folder, say=say)
+        root = remote.folder
+        parts = detect([file.path for file in remote.files], root)
+        hub.fetch(remote, _metadata(parts, remote), size_cap_gb=size_cap_gb, say=say)
+    else:
+        raise BadInput(f"data {str(data)!r} is no folder on this machine, and no owner/name of the Hub")
+    chosen = {part.name: _choose(LAYOUTS[part.layout].episodes(part), episodes, part) for part in parts}
+    if remote:
+        names = [_prefix(part, remote) + file for part in parts for ref in chosen[part.name][1] for file in ref.files]
+        hub.fetch(remote, names, size_cap_gb=size_cap_gb, say=say)
+    return _read(str(data), remote.revision if remote else None, root, parts, chosen, overrides, say)
+
+
+def _prefix(part: Part, remote: hub.Remote) -> str:
+    """The part's folder inside the repository, with a slash behind, or nothing."""
+    inner = part.root.relative_to(remote.folder).as_posix()
+    return "" if inner == "." else inner + "/"
+
+
+def _metadata(parts: Sequence[Part], remote: hub.Remote) -> list[str]:
+    names = [_prefix(part, remote) + file for part in parts for file in LAYOUTS[part.layout].metadata(part.files)]
+    return names + [file.path for file in remote.files if file.path == SIMULATED]
+
+
+def _choose(refs: list[EpisodeRef], episodes: int | Sequence[int] | None,
+            part: Part) -> tuple[list[EpisodeRef], list[EpisodeRef]]:
+    """All episodes of a part, and the chosen ones."""
+    if episodes is None:
+        return refs, refs
+    if isinstance(episodes, int):
+        if episodes < 1:
+            raise BadInput(f"episodes={episodes}: allowed are a number from 1 on, a list of episode numbers, or None")
+        return refs, refs[:episodes]
+    known = {ref.index: ref for ref in refs}
+    missing = sorted(set(episodes) - set(known))
+    if missing:
+        raise BadInput(f"{part.root} has no episode {missing[0]}; it has {len(refs)}, "
+                       f"{min(known, default=0)}..{max(known, default=0)}")
+    return refs, [known[index] for index in episodes]
+
+
+def _read(source: str, revision: str | None, root: Path, parts: Sequence[Part], chosen: dict, overrides: dict,
+          say: hub.Say) -> RobotDataSet:
+    """Read the chosen episodes of every part; an episode that cannot be read is named and left out."""
+    episodes: list[RobotEpisode] = []
+    rows: list[UnitRow] = []
+    contents, unread = [], []
+    for part in parts:
+        refs, wanted = chosen[part.name]
+        recordings, failed = _recordings(part, wanted)
+        unread += failed
+        if recordings:
+            units = detect_units(recordings, overrides)
+            rows += units
+            mine = [convert(recording, units, overrides, _method(part)) for recording in recordings]
+            episodes += mine
+        say(f"{part.name}: {LAYOUTS[part.layout].title}, read {len(recordings)} of {len(refs)} episodes")
+        contents.append(_summary(part, refs, mine if recordings else []))
+    if not episodes:
+        raise BadInput(unread[0] if unread else f"{root}: no episodes in {[part.name for part in parts]}")
+    mark = root / SIMULATED
+    about = read_json(mark, "a JSON object that describes a simulation") if mark.is_file() else {}
+    return RobotDataSet(source, revision, root, tuple(episodes), pd.DataFrame(contents), units_table(rows),
+                        tuple(unread), bool(about), about)
+
+
+def _recordings(part: Part, refs: Sequence[EpisodeRef]) -> tuple[list[Recording], list[str]]:
+    recordings, failed = [], []
+    for ref in refs:
+        try:
+            recordings.append(LAYOUTS[part.layout].read(part, ref))
+        except BadInput as error:
+            failed.append(str(error))
+    return recordings, failed
+
+
+def _method(part: Part) -> str:
+    """How a part was collected: by its folder's name; the name MOVE alone is the repository's and tells nothing."""
+    name = part.root.resolve().name if part.name == "." else part.name
+    return "unknown" if name == "MOVE" and part.name == "." else method_of(name)
+
+
+def _summary(part: Part, refs: Sequence[EpisodeRef], read: Sequence[RobotEpisode]) -> dict:
+    """One row of `contents`; where the layout does not tell lengths, the total is known only if all was read."""
+    lengths = [ref.timesteps for ref in refs]
+    if None in lengths:
+        lengths = [episode.timesteps for episode in read] if len(read) == len(refs) else None
+    return {
+        "part": part.name, "method": read[0].method if read else _method(part), "layout": LAYOUTS[part.layout].title,
+        "episodes": len(refs), "timesteps": float("nan") if lengths is None else float(sum(lengths)),
+        "episodes_read": len(read),
+    }

@@ -1,0 +1,94 @@
+"""Which layouts a list of file names holds. Works on a listing, so before anything is fetched."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections import Counter
+from collections.abc import Sequence
+from pathlib import Path
+
+from move.errors import BadInput
+from move.realworld.episode import Part
+from move.realworld.untrusted_names import safe_name
+
+EXPECTED = ("meta/info.json (LeRobot v2.1 or v3.0), episode*/camera|arm|gripper|localization/ (Pika raw tree), "
+            "*.hdf5 or *.h5 (Pika, ACT, RoboMIND), or meta/episode_ends in a zarr folder or *.zarr.zip")
+ARCHIVES = (".zip", ".tar", ".tar.gz", ".tgz", ".7z", ".rar", ".zst")
+
+_LEROBOT = re.compile(r"(?P<root>(?:.*/)?)meta/info\.json")
+_ZARR = re.compile(r"(?P<root>(?:.*/)?)meta/episode_ends/(?:\.zarray|zarr\.json)")
+_PIKA = re.compile(r"(?P<root>(?:.*/)?)episode_?\d+/(?:camera/color|arm/jointState|arm/endPose|localization/pose|"
+                   r"gripper/encoder)/.+/.+")
+_HDF5 = re.compile(r"(?P<root>(?:.*?/)??)(?:episode_?\d+/|[^/]+/data/(?=trajectory\.))?[^/]+\.(?:hdf5|h5)")
+
+
+def list_folder(folder: Path) -> list[str]:
+    """Names of all files under a folder, relative to it, with forward slashes, sorted; hidden folders are left out
+    (a zarr's own dotted files are not)."""
+    names = []
+    for where, folders, files in os.walk(folder):
+        folders[:] = sorted(name for name in folders if not name.startswith("."))
+        names += [(Path(where) / name).relative_to(folder).as_posix() for name in files]
+    return sorted(names)
+
+
+def detect(files: Sequence[str], root: Path) -> list[Part]:
+    """Find every sub data set in a listing.
+
+    A file belongs to the first layout that claims it, in the order LeRobot, zarr, HDF5, Pika raw tree; a raw tree
+    beside an HDF5 file is that file's image store.
+
+    Args:
+        files: relative file names.
+        root: where they lie or will lie.
+
+    Raises:
+        BadInput: no layout is recognised (the message tells what was found), or a name leaves the folder.
+    """
+    left = {safe_name(file, str(root)) for file in files}
+    parts: list[Part] = []
+    for pattern, layout in ((_LEROBOT, "lerobot"), (_ZARR, "zarr"), (_HDF5, "hdf5"), (_PIKA, "pika_tree")):
+        found = {match["root"] for match in map(pattern.fullmatch, left) if match}
+        if layout == "zarr":
+            found |= {file for file in left if file.endswith(".zarr.zip")}
+        for prefix in sorted(found, key=len, reverse=True):
+            part = _claim(prefix, layout, left, root)
+            left -= {_full(prefix, file) for file in part.files}
+            parts.append(part)
+    parts = [part for part in parts if part.files]
+    if not parts:
+        raise BadInput(f"{root}: no known layout; found {describe(files)}; expected {EXPECTED}")
+    return sorted(parts, key=lambda part: part.name)
+
+
+def _full(prefix: str, file: str) -> str:
+    return f"{Path(prefix).parent.as_posix()}/{file}".removeprefix("./") if prefix.endswith(".zip") else prefix + file
+
+
+def _claim(prefix: str, layout: str, left: set[str], root: Path) -> Part:
+    """The part under one folder (or the one zip file)."""
+    if prefix.endswith(".zarr.zip"):
+        folder, name = Path(prefix).parent.as_posix(), Path(prefix).name
+        return Part(prefix, layout, root / folder, (name,))
+    files = tuple(sorted(file.removeprefix(prefix) for file in left if file.startswith(prefix)))
+    if layout == "lerobot":
+        layout = "lerobot_v3" if any(file.startswith("meta/episodes/") for file in files) else "lerobot_v2"
+        files = tuple(file for file in files if file.startswith(("meta/", "data/", "videos/", "images/")))
+    elif layout == "hdf5" and not any(file.endswith((".hdf5", ".h5")) for file in files):
+        files = ()
+    return Part(prefix.rstrip("/") or ".", layout, root / prefix, files)
+
+
+def describe(files: Sequence[str]) -> str:
+    """Say in one line what a listing holds: how many files of which ending, the first names, and archives.
+
+    >>> describe(["a.zip", "README.md"])
+    '2 files (1 .md, 1 .zip), such as README.md, a.zip; unpack a.zip first and give the folder'
+    """
+    endings = Counter(Path(file).suffix or "(no ending)" for file in files)
+    counts = ", ".join(
+        f"{count} {ending}" for ending, count in sorted(endings.items(), key=lambda e: (-e[1], e[0]))[:6])
+    text = f"{len(files)} files ({counts}), such as {', '.join(sorted(files)[:4])}" if files else "no files"
+    packed = [file for file in sorted(files) if file.endswith(ARCHIVES)]
+    return text + (f"; unpack {packed[0]} first and give the folder" if packed else "")

@@ -1,0 +1,129 @@
+"""What every layout is turned into: first a `Recording` (units of the file), then a `RobotEpisode` (SI units)."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from move.errors import BadInput
+from move.realworld.frames import Frames
+
+
+@dataclass(frozen=True)
+class Part:
+    """One sub data set: the files under one folder that share a layout.
+
+    A repository may hold several, e.g. `static_35k/` and `move_35k/`.
+    """
+
+    name: str  # its folder, relative to the data set; "." for the data set itself
+    layout: str  # a key of `layouts.LAYOUTS`
+    root: Path  # its folder on this machine
+    files: tuple[str, ...]  # file names relative to `root`
+
+
+@dataclass(frozen=True)
+class EpisodeRef:
+    """Where one episode lies, known before any of its data are read."""
+
+    index: int  # its number in the part
+    files: tuple[str, ...]  # the files needed to read it, relative to the part's root
+    timesteps: int | None = None  # None where only the data tell
+    place: Mapping[str, object] = field(default_factory=dict)  # whatever else its layout's reader needs
+
+
+@dataclass(frozen=True)
+class Recording:
+    """One episode as found on disk, in the units of the file.
+
+    T is the number of timesteps; `n` joints; `k` action components. Streams of unequal length are cut to the
+    shortest; `lengths` keeps what was found.
+    """
+
+    part: str
+    index: int
+    source: Path
+    timestamps_s: np.ndarray  # (T,) float64
+    joints: np.ndarray | None = None  # (T, n) float64
+    end_effector: np.ndarray | None = None  # (T, 6) float64, x y z roll pitch yaw
+    gripper: np.ndarray | None = None  # (T,) float64
+    action: np.ndarray | None = None  # (T, k) float64
+    action_names: tuple[str, ...] = ()
+    state: np.ndarray | None = None  # (T, w) float64, the whole state vector
+    cameras: Mapping[str, Frames] = field(default_factory=dict)
+    hints: Mapping[str, str] = field(default_factory=dict)  # quantity -> unit that a column's name states
+    lengths: Mapping[str, int] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class RobotEpisode:
+    """One demonstration of a real robot, in SI units.
+
+    A quantity whose unit could not be told, or that was not recorded, is None.
+    """
+
+    part: str
+    method: str  # "static", "adc", "move", or "unknown" (told by the folder's name, or by a units file)
+    index: int
+    source: Path
+    timestamps_s: np.ndarray  # (T,) float64, starts at 0
+    joints: np.ndarray | None  # (T, n) float64, rad
+    end_effector: np.ndarray | None  # (T, 6) float64, m and rad, in the frame of the file
+    gripper: np.ndarray | None  # (T,) float64, larger is wider open
+    gripper_unit: str | None  # "m" or "normalised" (0 closed, 1 open)
+    action: np.ndarray | None  # (T, k) float64, as stored (never converted)
+    action_names: tuple[str, ...]
+    state: np.ndarray | None  # (T, w) float64, the whole state vector as stored (never converted)
+    cameras: Mapping[str, Frames]  # camera name -> frames, read when asked for
+    lengths: Mapping[str, int]  # stream -> number of entries found on disk
+    notes: tuple[str, ...]  # what the reader had to assume
+
+    @property
+    def timesteps(self) -> int:
+        """Number of timesteps T."""
+        return len(self.timestamps_s)
+
+
+def method_of(name: str) -> str:
+    """Tell the collection method from a folder's name; whole words only.
+
+    >>> method_of("orange/static_35k"), method_of("MOVE_75k"), method_of("remove_lid")
+    ('static', 'move', 'unknown')
+    """
+    for word, method in (("static", "static"), ("adc", "adc"), ("move|moving|dynamic", "move")):
+        if re.search(rf"(?<![a-z])(?:{word})(?![a-z])", name.lower()):
+            return method
+    return "unknown"
+
+
+def make_recording(part: Part, ref: EpisodeRef, streams: Mapping[str, np.ndarray | None], *, fps: float | None,
+                   **rest) -> Recording:
+    """Cut the streams of an episode to their shortest and give it time.
+
+    Args:
+        streams: any of `timestamps_s`, `joints`, `end_effector`, `gripper`, `action`, `state`; first axis time; None:
+            left out.
+        fps: rate assumed where there are no timestamps, 1/s; None where there must be timestamps.
+        rest: the other fields of `Recording`.
+
+    Raises:
+        BadInput: no stream at all.
+    """
+    found = {name: np.asarray(values, dtype=np.float64) for name, values in streams.items() if values is not None}
+    if not found:
+        raise BadInput(f"episode {ref.index} of {part.root} holds none of {sorted(streams)}")
+    lengths = {name: len(values) for name, values in found.items()}
+    shortest = min(lengths.values())
+    cut = {name: values[:shortest] for name, values in found.items()}
+    notes = tuple(rest.pop("notes", ()))
+    if "timestamps_s" not in cut:
+        cut["timestamps_s"] = np.arange(shortest) / (fps or 30.0)
+        notes += (f"no timestamps on disk: {fps or 30.0:g} Hz assumed",)
+    if shortest:
+        cut["timestamps_s"] = cut["timestamps_s"] - cut["timestamps_s"][0]
+    return Recording(part=part.name, index=ref.index, lengths=lengths, notes=notes, **cut, **rest)

@@ -1,0 +1,147 @@
+"""Camera frames that are decoded only when asked for: video (PyAV), encoded images, arrays in HDF5 or zarr.
+
+OpenCV is not used: its wheel cannot read AV1, the codec LeRobot writes by default.
+"""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import av
+import h5py
+import numpy as np
+
+from move.errors import BadInput
+from move.realworld.untrusted_names import reading
+
+Image = np.ndarray | bytes
+
+
+@dataclass(frozen=True)
+class Frames:
+    """The frames of one camera in one episode.
+
+    `load` takes frame numbers in increasing order and yields an image for each: encoded bytes, or uint8 in
+    HWC, CHW or HW order. `bgr` says that stored arrays are blue first.
+    """
+
+    source: str
+    count: Callable[[], int]
+    load: Callable[[Sequence[int]], Iterable[Image]]
+    bgr: bool = False
+
+    def __len__(self) -> int:
+        """Number of frames."""
+        with reading(self.source, "the frames of a camera"):
+            return self.count()
+
+    def read(self, numbers: Sequence[int]) -> np.ndarray:
+        """Decode some frames.
+
+        Args:
+            numbers: frame numbers, 0-based, in increasing order.
+
+        Returns:
+            (len(numbers), height, width, 3) uint8, red first.
+
+        Raises:
+            BadInput: a number outside the episode, or images that cannot be decoded.
+        """
+        numbers = [int(number) for number in numbers]
+        total = len(self)
+        if not numbers or numbers != sorted(set(numbers)) or numbers[0] < 0 or numbers[-1] >= total:
+            raise BadInput(f"frames {numbers[:5]} of {self.source}: allowed are increasing numbers in 0..{total - 1}")
+        with reading(self.source, "images"):
+            images = [as_rgb(image, self.source) for image in self.load(numbers)]
+        if len(images) != len(numbers):
+            raise BadInput(f"{self.source}: asked for {len(numbers)} frames, found {len(images)}")
+        stack = np.stack(images)
+        return stack[..., ::-1] if self.bgr else stack
+
+
+def as_rgb(image: Image, where: str) -> np.ndarray:
+    """Turn encoded bytes or an array in HWC, CHW or HW order into (height, width, 3) uint8.
+
+    Raises:
+        BadInput: another dtype or shape.
+    """
+    if isinstance(image, bytes | np.void) or (image.dtype == np.uint8 and image.ndim == 1):
+        return decode_image(image if isinstance(image, bytes) else image.tobytes())
+    if image.dtype != np.uint8 or image.ndim not in (2, 3):
+        raise BadInput(f"image in {where}: found {image.dtype} {image.shape}; expected uint8, HWC, CHW or HW")
+    if image.ndim == 2:
+        return np.repeat(image[..., None], 3, axis=2)
+    if image.shape[2] != 3 and image.shape[0] == 3:
+        image = np.moveaxis(image, 0, 2)
+    if image.shape[2] != 3:
+        raise BadInput(f"image in {where}: found shape {image.shape}; expected 3 channels")
+    return image
+
+
+def decode_image(data: bytes) -> np.ndarray:
+    """Decode a JPEG or PNG to (height, width, 3) uint8, red first; zero padding behind the image is ignored."""
+    with av.open(io.BytesIO(data)) as container:
+        return next(container.decode(video=0)).to_ndarray(format="rgb24")
+
+
+def from_video(path: Path, *, start_s: float = 0.0, count: int | None = None) -> Frames:
+    """Frames of a video file in any codec PyAV decodes, AV1 and H.264 among them.
+
+    Args:
+        path: the video.
+        start_s: where the episode starts in it, s (LeRobot v3.0 keeps many episodes in one file).
+        count: number of frames; None: all of the file.
+    """
+    def number() -> int:
+        if count is not None:
+            return count
+        with av.open(str(path)) as container:
+            stream = container.streams.video[0]
+            return stream.frames or sum(1 for _ in container.decode(stream))
+
+    return Frames(str(path), number, lambda numbers: _decode(path, start_s, numbers))
+
+
+def _decode(path: Path, start_s: float, numbers: Sequence[int]) -> Iterable[np.ndarray]:
+    """Yield the wanted frames in one pass from the key frame before the first of them."""
+    with av.open(str(path)) as container:
+        stream = container.streams.video[0]
+        rate = float(stream.average_rate)
+        origin = float((stream.start_time or 0) * stream.time_base) + start_s
+        container.seek(int((origin + numbers[0] / rate) / stream.time_base), stream=stream, backward=True)
+        wanted = iter(numbers)
+        target = next(wanted)
+        for frame in container.decode(stream):
+            if round((frame.time - origin) * rate) == target:
+                yield frame.to_ndarray(format="rgb24")
+                target = next(wanted, None)
+                if target is None:
+                    return
+
+
+def from_files(paths: Sequence[Path]) -> Frames:
+    """One JPEG or PNG file a frame."""
+    source = str(paths[0].parent) if paths else "no files"
+    return Frames(source, lambda: len(paths), lambda numbers: (paths[n].read_bytes() for n in numbers))
+
+
+def from_bytes(images: Sequence[bytes], source: str) -> Frames:
+    """Encoded images already in memory, as in a parquet column."""
+    return Frames(source, lambda: len(images), lambda numbers: (images[n] for n in numbers))
+
+
+def from_hdf5(path: Path, key: str, *, bgr: bool = False) -> Frames:
+    """A dataset (T, H, W, 3), (T, 3, H, W), (T, padded JPEG bytes) or (T,) of encoded bytes in an HDF5 file."""
+    def count() -> int:
+        with h5py.File(path, "r") as file:
+            return len(file[key])
+
+    def load(numbers: Sequence[int]) -> Iterable[Image]:
+        with h5py.File(path, "r") as file:
+            for number in numbers:
+                yield file[key][number]
+
+    return Frames(f"{path}:{key}", count, load, bgr)

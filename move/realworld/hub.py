@@ -1,0 +1,205 @@
+"""Fetching chosen files of a Hugging Face data set: list first, cap the size, then fetch, one revision for all.
+
+The repository of the paper's real-robot data, `BAAI/MOVE`, could not be reached where this was written, so no
+commit is built in: `REVISION` is None, which means "ask the Hub once for its newest commit, and record it". A
+reader who has seen the data should pin the commit that was recorded.
+"""
+
+from __future__ import annotations
+
+import errno
+import json
+import re
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from huggingface_hub import HfApi
+from huggingface_hub.errors import (
+    EntryNotFoundError,
+    GatedRepoError,
+    HfHubHTTPError,
+    HFValidationError,
+    RepositoryNotFoundError,
+    RevisionNotFoundError,
+)
+from huggingface_hub.utils import httpx
+
+from move.errors import BadInput
+from move.realworld.untrusted_names import inside, safe_name
+
+REPOSITORY = "BAAI/MOVE"
+REVISION: str | None = None
+LISTING = "SOURCE.json"
+TIMEOUT_S = 10.0
+WORKERS = 8  # files fetched at a time; a raw tree has thousands of small ones
+DISK_ERRORS = (errno.ENOSPC, errno.EACCES, errno.EPERM, errno.EROFS, errno.EDQUOT)
+
+Say = Callable[[str], None]
+
+
+def silent(line: str) -> None:
+    """Say nothing: the default of every `say` argument."""
+
+
+@dataclass(frozen=True)
+class RemoteFile:
+    """One file of a repository."""
+
+    path: str
+    size_bytes: int
+
+
+@dataclass(frozen=True)
+class Remote:
+    """A repository at one commit, listed but not fetched."""
+
+    repo_id: str
+    revision: str  # 40 hexadecimal digits
+    folder: Path  # where its files lie once fetched
+    files: tuple[RemoteFile, ...]
+
+
+def check_revision(revision: str) -> str:
+    """Accept a full commit and nothing else: a branch or a tag can move.
+
+    >>> check_revision("main")
+    Traceback (most recent call last):
+    move.errors.BadInput: revision 'main': allowed is a full commit of 40 hexadecimal digits
+    """
+    if not re.fullmatch(r"[0-9a-f]{40}", revision):
+        raise BadInput(f"revision {revision!r}: allowed is a full commit of 40 hexadecimal digits")
+    return revision
+
+
+@contextmanager
+def plainly(repo_id: str, revision: str | None) -> Iterator[None]:
+    """Turn what the Hub's client raises into one line that says what to do.
+
+    Raises:
+        BadInput: gated, missing, wrong revision, no network, or no room on the disk.
+    """
+    where = f"{repo_id}@{revision or 'newest'}"
+    try:
+        yield
+    except GatedRepoError as error:
+        raise BadInput(f"{where} is gated: accept its terms on huggingface.co/datasets/{repo_id}, "
+                       "run `hf auth login`, then try again") from error
+    except RevisionNotFoundError as error:
+        raise BadInput(
+            f"{where}: no such commit in this repository; leave the revision empty to take the newest") from error
+    except RepositoryNotFoundError as error:
+        raise BadInput(
+            f"{where}: no such data set, or it is private; check the name, or run `hf auth login`") from error
+    except EntryNotFoundError as error:
+        raise BadInput(
+            f"{where}: a file that was listed is not there, or there is no network: {_short(error)}") from error
+    except HFValidationError as error:
+        raise BadInput(f"{repo_id!r} is no repository name; allowed is owner/name: {_short(error)}") from error
+    except HfHubHTTPError as error:
+        raise BadInput(f"{where}: the Hub refused: {_short(error)}") from error
+    except (OSError, httpx.HTTPError) as error:
+        if getattr(error, "errno", None) in DISK_ERRORS:
+            raise BadInput(f"{where}: cannot be kept on this disk: {_short(error)}") from error
+        raise BadInput(f"{where}: no network, or the Hub did not answer ({type(error).__name__}: {_short(error)}); "
+                       "give a local folder instead, or try again: files already fetched are kept") from error
+
+
+def _short(error: Exception) -> str:
+    return " ".join(str(error).split())[:120]
+
+
+def list_remote(repo_id: str, revision: str | None, folder: Path, *, say: Say = silent) -> Remote:
+    """List a repository at one commit; fetch nothing.
+
+    The listing is kept as `SOURCE.json` under `folder/<owner>--<name>/<commit>/`, so a pinned commit that was
+    listed once needs no network again.
+
+    Args:
+        repo_id: owner/name of a data set.
+        revision: 40 hexadecimal digits, or None to ask for the newest commit.
+        folder: where data sets are kept.
+        say: takes one line of progress.
+
+    Raises:
+        BadInput: see `check_revision` and `plainly`; also a file name that leaves the folder.
+    """
+    api = HfApi()
+    if revision is None:
+        with plainly(repo_id, None):
+            revision = str(api.dataset_info(repo_id, timeout=TIMEOUT_S).sha)
+        say(f"{repo_id}: newest commit is {revision}; pin it to read the same data again")
+    target = folder / safe_name(repo_id, "the repository name").replace("/", "--") / check_revision(revision)
+    kept = target / LISTING
+    if kept.is_file():
+        files = [RemoteFile(**row) for row in json.loads(kept.read_text(encoding="utf-8"))["files"]]
+    else:
+        with plainly(repo_id, revision):
+            tree = api.list_repo_tree(repo_id, recursive=True, revision=revision, repo_type="dataset")
+            files = [RemoteFile(entry.path, entry.size) for entry in tree if hasattr(entry, "size")]
+    for file in files:
+        safe_name(file.path, f"{repo_id}@{revision}")
+    remote = Remote(repo_id, revision, target, tuple(files))
+    _keep(remote)
+    total = sum(file.size_bytes for file in files) / 1e9
+    say(f"{repo_id}@{revision[:8]}: {len(files)} files, {total:.2f} GB in all")
+    return remote
+
+
+def _keep(remote: Remote) -> None:
+    """Write the listing, complete or not at all."""
+    remote.folder.mkdir(parents=True, exist_ok=True)
+    record = {"repo_id": remote.repo_id, "revision": remote.revision, "files": [asdict(file) for file in remote.files]}
+    draft = remote.folder / (LISTING + ".part")
+    draft.write_text(json.dumps(record), encoding="utf-8")
+    draft.replace(remote.folder / LISTING)
+
+
+def fetch(remote: Remote, names: Sequence[str], *, size_cap_gb: float, say: Say = silent) -> int:
+    """Fetch the named files that are not there yet; an interrupted fetch goes on where it stopped.
+
+    Args:
+        names: file names relative to the repository.
+        size_cap_gb: refuse, before anything is fetched, when the files together (those already here included)
+            are larger than this, in 10^9 bytes.
+
+    Returns:
+        Number of bytes fetched.
+
+    Raises:
+        BadInput: a name that is not in the listing, above the cap, or see `plainly`.
+    """
+    sizes = {file.path: file.size_bytes for file in remote.files}
+    unknown = [name for name in names if name not in sizes]
+    if unknown:
+        raise BadInput(f"{remote.repo_id}@{remote.revision[:8]} has no file {unknown[0]!r} "
+                       f"({len(unknown)} of {len(names)} wanted files are missing from its listing)")
+    total = sum(sizes[name] for name in set(names))
+    if total > size_cap_gb * 1e9:
+        largest = max(names, key=sizes.__getitem__)
+        raise BadInput(
+            f"{remote.repo_id}: {len(set(names))} files need {total / 1e9:.2f} GB, allowed are {size_cap_gb:g} GB "
+            f"(largest: {largest}, {sizes[largest] / 1e9:.2f} GB); raise size_cap_gb or choose fewer episodes")
+    missing = [name for name in sorted(set(names)) if not _is_here(inside(remote.folder, name), sizes[name])]
+    api, done = HfApi(), 0
+
+    def one(name: str) -> str:
+        with plainly(remote.repo_id, remote.revision):
+            api.hf_hub_download(remote.repo_id, name, repo_type="dataset", revision=remote.revision,
+                                local_dir=remote.folder)
+        return name
+
+    pool = ThreadPoolExecutor(WORKERS)
+    try:
+        for number, name in enumerate(pool.map(one, missing), 1):
+            done += sizes[name]
+            say(f"fetched {number}/{len(missing)} ({done / 1e6:.1f} MB): {name}")
+    finally:
+        pool.shutdown(cancel_futures=True)
+    return done
+
+
+def _is_here(path: Path, size_bytes: int) -> bool:
+    return path.is_file() and path.stat().st_size == size_bytes

@@ -1,0 +1,90 @@
+"""The AgileX PIPER arm: joint limits and forward kinematics.
+
+The flange is what the arm reports; a gripper's finger tips lie further along the flange's z axis.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+# Joint limits in rad, (6, 2): lowest and highest, from the maker's SDK.
+LIMITS_RAD = np.array([[-2.62, 2.62], [0.0, 3.14], [-2.97, 0.0], [-1.75, 1.75], [-1.22, 1.22], [-2.09, 2.09]])
+
+# Modified Denavit-Hartenberg parameters of the maker (firmware S-V1.6-3 on):
+# a (m), alpha (rad), d (m), theta offset (rad).
+DH = np.array([[0.0, 0.0, 0.123, 0.0], [0.0, -np.pi / 2, 0.0, np.deg2rad(-172.22)],
+               [0.28503, 0.0, 0.0, np.deg2rad(-102.78)], [-0.02198, np.pi / 2, 0.25075, 0.0],
+               [0.0, -np.pi / 2, 0.0, 0.0], [0.0, np.pi / 2, 0.091, 0.0], ])
+
+
+def flange_transform(joints_rad: np.ndarray) -> np.ndarray:
+    """Pose of the flange in the frame of the arm's base.
+
+    Args:
+        joints_rad: (T, 6) rad.
+
+    Returns:
+        (T, 4, 4) homogeneous transforms, lengths in m.
+    """
+    pose = np.broadcast_to(np.eye(4), (len(joints_rad), 4, 4))
+    for (a, alpha, d, offset), angle in zip(DH, np.asarray(joints_rad, dtype=float)[:, :6].T, strict=True):
+        c, s = np.cos(angle + offset), np.sin(angle + offset)
+        ca, sa = np.cos(alpha), np.sin(alpha)
+        zero, one = np.zeros_like(c), np.ones_like(c)
+        link = np.stack([
+            np.stack([c, -s, zero, a * one], -1),
+            np.stack([s * ca, c * ca, -sa * one, -d * sa * one], -1),
+            np.stack([s * sa, c * sa, ca * one, d * ca * one], -1),
+            np.stack([zero, zero, zero, one], -1),
+        ], axis=1)
+        pose = pose @ link
+    return pose
+
+
+def flange_pose(joints_rad: np.ndarray) -> np.ndarray:
+    """Pose of the flange as x, y, z (m) and roll, pitch, yaw (rad, fixed axes x-y-z).
+
+    Args:
+        joints_rad: (T, 6) rad.
+
+    Returns:
+        (T, 6).
+    """
+    pose = flange_transform(joints_rad)
+    return np.column_stack([pose[:, :3, 3], Rotation.from_matrix(pose[:, :3, :3]).as_euler("xyz")])
+
+
+def reach(points_m: np.ndarray, *, steps: int = 80, down: float = 0.15) -> np.ndarray:
+    """Joint angles that bring the flange to points, pointing down as far as the limits allow.
+
+    Damped least squares with a numerical Jacobian, all points at once.
+
+    Args:
+        points_m: (T, 3), in the frame of the arm's base.
+        steps: number of iterations.
+        down: weight of "the flange looks down" against the position (m per unit of the flange's z axis).
+
+    Returns:
+        (T, 6) rad, within `LIMITS_RAD`.
+    """
+    points_m = np.asarray(points_m, dtype=float)
+    joints = np.tile([0.0, 1.6, -1.6, 0.0, 0.9, 0.0], (len(points_m), 1))
+    joints[:, 0] = np.arctan2(points_m[:, 1], points_m[:, 0])
+    down_axis = np.array([0.0, 0.0, -1.0])
+
+    def task(angles: np.ndarray) -> np.ndarray:
+        pose = flange_transform(angles)
+        return np.hstack([pose[:, :3, 3], down * pose[:, :3, 2]])
+
+    wanted = np.hstack([points_m, np.tile(down * down_axis, (len(points_m), 1))])
+    for step in range(steps):
+        if step == steps * 2 // 3:  # the last third cares about the position alone
+            down = down * 0.05
+            wanted[:, 3:] = down * down_axis
+        here = task(joints)
+        jacobian = np.stack([(task(joints + 1e-5 * np.eye(6)[j]) - here) / 1e-5 for j in range(6)], axis=2)
+        turned = np.swapaxes(jacobian, 1, 2)
+        change = np.linalg.solve(turned @ jacobian + 1e-4 * np.eye(6), turned @ (wanted - here)[:, :, None])[:, :, 0]
+        joints = np.clip(joints + np.clip(change, -0.3, 0.3), LIMITS_RAD[:, 0], LIMITS_RAD[:, 1])
+    return joints

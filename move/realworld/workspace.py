@@ -1,0 +1,206 @@
+"""What demonstrations of a real robot cover: grasps, lengths, paths, and the share of the half disc visited."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pandas as pd
+
+from move.paper import REAL_RADIUS_M
+from move.realworld.episode import RobotEpisode
+from move.realworld.piper import flange_pose
+
+
+def workspace_cells(cell_m: float = 0.05, *, radius_m: float = REAL_RADIUS_M) -> pd.DataFrame:
+    """Square cells whose centre lies in the half disc x >= 0 around the arm's base.
+
+    Returns:
+        Columns column, row (whole numbers), x_m, y_m (centres).
+    """
+    half = int(np.ceil(radius_m / cell_m))
+    column, row = (grid.ravel() for grid in np.meshgrid(np.arange(half), np.arange(-half, half), indexing="ij"))
+    cells = pd.DataFrame({"column": column, "row": row, "x_m": (column + 0.5) * cell_m, "y_m": (row + 0.5) * cell_m})
+    return cells[np.hypot(cells["x_m"], cells["y_m"]) <= radius_m].reset_index(drop=True)
+
+
+def coverage(points_m: np.ndarray, *, cell_m: float = 0.05, radius_m: float = REAL_RADIUS_M) -> pd.DataFrame:
+    """How often each cell of the table was visited.
+
+    Args:
+        points_m: (N, 2) x and y in the frame of the arm's base, x forward; non-finite points, and those
+            in a cell whose centre lies outside the half disc, are not counted.
+
+    Returns:
+        The cells of `workspace_cells` with a column `visits`.
+    """
+    points_m = np.asarray(points_m, dtype=float).reshape(-1, 2)
+    points_m = points_m[np.isfinite(points_m).all(axis=1)]
+    cells = workspace_cells(cell_m, radius_m=radius_m)
+    index = pd.DataFrame(np.floor(points_m / cell_m).astype(int), columns=["column", "row"])
+    visits = index.value_counts().rename("visits").reset_index()
+    merged = cells.merge(visits, on=["column", "row"], how="left")
+    return merged.assign(visits=merged["visits"].fillna(0).astype(int))
+
+
+def covered_share(cells: pd.DataFrame) -> float:
+    """Share of the table's cells visited at least once."""
+    return float((cells["visits"] > 0).mean())
+
+
+def grasp_step(gripper: np.ndarray, *, hold_steps: int = 3, least_travel: float = 0.1) -> int | None:
+    """The first step of the longest time the gripper stays closed.
+
+    Closed means below the middle of the signal's own range, so the result does not depend on its unit.
+
+    Args:
+        gripper: (T,), larger is wider open.
+        hold_steps: shortest time that counts as a grasp, timesteps.
+        least_travel: a range smaller than this share of the largest value is noise: no grasp.
+
+    Returns:
+        A timestep, or None where nothing was grasped.
+
+    >>> grasp_step(np.array([9, 9, 9, 6, 6, 6, 6, 9.0]))
+    3
+    """
+    run = _longest_closed(gripper, hold_steps, least_travel)
+    return None if run is None else run[0]
+
+
+def release_step(gripper: np.ndarray, *, hold_steps: int = 3, least_travel: float = 0.1) -> int | None:
+    """The step at which the gripper opens again after `grasp_step`; None where it does not."""
+    run = _longest_closed(gripper, hold_steps, least_travel)
+    return None if run is None or run[1] >= len(gripper) else run[1]
+
+
+def _longest_closed(gripper: np.ndarray, hold_steps: int, least_travel: float) -> tuple[int, int] | None:
+    """First step and one past the last step of the longest closed run that is entered from open."""
+    gripper = np.asarray(gripper, dtype=float)
+    if len(gripper) < hold_steps + 1 or not np.isfinite(gripper).all():
+        return None
+    low, high = gripper.min(), gripper.max()
+    if high - low < least_travel * max(abs(high), 1e-12):
+        return None
+    closed = np.concatenate([[0], (gripper < (low + high) / 2).astype(int), [0]])
+    starts, ends = np.flatnonzero(np.diff(closed) == 1), np.flatnonzero(np.diff(closed) == -1)
+    runs = [(int(s), int(e)) for s, e in zip(starts, ends, strict=True) if s > 0 and e - s >= hold_steps]
+    return max(runs, key=lambda run: run[1] - run[0], default=None)
+
+
+def positions(episode: RobotEpisode) -> np.ndarray | None:
+    """Where the flange was, in the frame of the arm's base.
+
+    From the six joint angles by PIPER's kinematics where there are six, because a recorded pose may be in another
+    frame or of a tool; else the recorded pose.
+
+    Returns:
+        (T, 3) m, or None where neither was recorded.
+    """
+    if episode.joints is not None and episode.joints.shape[1] == 6:
+        return flange_pose(episode.joints)[:, :3]
+    return None if episode.end_effector is None else episode.end_effector[:, :3]
+
+
+def episode_table(episodes: Sequence[RobotEpisode]) -> pd.DataFrame:
+    """One row an episode: part, method, index, timesteps, duration_s, path_m, grasp and release steps and places.
+
+    Steps and places are NaN where there is no gripper, or no `positions`.
+    """
+    return pd.DataFrame([_episode_row(episode) for episode in episodes])
+
+
+def _episode_row(episode: RobotEpisode) -> dict:
+    place, gripper = positions(episode), episode.gripper
+    row = {
+        "part": episode.part, "method": episode.method, "index": episode.index, "timesteps": episode.timesteps,
+        "duration_s": float(episode.timestamps_s[-1]) if episode.timesteps else 0.0,
+        "path_m": np.nan if place is None else float(np.linalg.norm(np.diff(place, axis=0), axis=1).sum()),
+    }
+    for name, step in (("grasp", None if gripper is None else grasp_step(gripper)),
+                       ("release", None if gripper is None else release_step(gripper))):
+        x, y = (np.nan, np.nan) if step is None or place is None else place[step, :2]
+        row |= {f"{name}_step": np.nan if step is None else step, f"{name}_x_m": x, f"{name}_y_m": y}
+    return row
+
+
+def length_table(table: pd.DataFrame) -> pd.DataFrame:
+    """Mean length of a demonstration by method, with its standard deviation and number; from `episode_table`."""
+    grouped = table.groupby("method", sort=True)["timesteps"]
+    return grouped.agg(episodes="count", mean_timesteps="mean", sd_timesteps="std").reset_index()
+
+
+def path_table(episodes: Sequence[RobotEpisode]) -> pd.DataFrame:
+    """Every timestep of every episode with `positions`: method, part, index, step, x_m, y_m, z_m, grasped (bool)."""
+    tables = []
+    for e in episodes:
+        if (place := positions(e)) is None:
+            continue
+        start = grasp_step(e.gripper) if e.gripper is not None else None
+        steps = np.arange(e.timesteps)
+        tables.append(
+            pd.DataFrame({
+                "method": e.method, "part": e.part, "index": e.index, "step": steps, "x_m": place[:, 0],
+                "y_m": place[:, 1], "z_m": place[:, 2],
+                "grasped": steps >= start if start is not None else np.zeros(e.timesteps, dtype=bool),
+            }))
+    columns = ["method", "part", "index", "step", "x_m", "y_m", "z_m", "grasped"]
+    return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=columns)
+
+
+def coverage_by_method(table: pd.DataFrame, *, cell_m: float = 0.05, x: str = "x_m", y: str = "y_m") -> pd.DataFrame:
+    """`coverage` of each method of a table with columns `method`, x and y; adds a column `method`."""
+    pieces = [
+        coverage(rows[[x, y]].to_numpy(), cell_m=cell_m).assign(method=method)
+        for method, rows in table.groupby("method", sort=True)
+    ]
+    columns = ["column", "row", "x_m", "y_m", "visits", "method"]
+    return pd.concat(pieces, ignore_index=True) if pieces else pd.DataFrame(columns=columns)
+
+
+def equal_budget(table: pd.DataFrame) -> pd.DataFrame:
+    """Cut every method to the timesteps of the smallest, in the order recorded: the paper compares equal budgets.
+
+    Args:
+        table: with a column `method`, one row a timestep (`path_table`).
+    """
+    budget = table.groupby("method").size().min() if len(table) else 0
+    return table.groupby("method", sort=False).head(budget).reset_index(drop=True)
+
+
+def frame_strips(episodes: Sequence[RobotEpisode], *, count: int = 6) -> dict[str, tuple[np.ndarray, list[str]]]:
+    """Evenly spaced frames of the first episode of each method that has a camera.
+
+    Returns:
+        method -> frames (count, height, width, 3) uint8 and their times as text.
+    """
+    strips: dict[str, tuple[np.ndarray, list[str]]] = {}
+    for e in episodes:
+        if e.method in strips or not e.cameras:
+            continue
+        frames = next(iter(e.cameras.values()))
+        numbers = np.unique(np.linspace(0, min(len(frames), e.timesteps) - 1, count).astype(int))
+        strips[e.method] = (frames.read(numbers), [f"{e.timestamps_s[n]:.0f} s" for n in numbers])
+    return strips
+
+
+def action_table(episodes: Sequence[RobotEpisode]) -> pd.DataFrame:
+    """Statistics of the recorded actions, as stored.
+
+    Returns:
+        One row a method and component: method, component, mean, sd, lowest, highest, mean_step (mean absolute
+        change from one timestep to the next).
+    """
+    rows = []
+    for method in sorted({e.method for e in episodes if e.action is not None}):
+        actions = [e for e in episodes if e.method == method and e.action is not None]
+        for width in sorted({e.action.shape[1] for e in actions}):
+            alike = [e for e in actions if e.action.shape[1] == width]
+            names = alike[0].action_names if len(alike[0].action_names) == width else [str(n) for n in range(width)]
+            values = np.vstack([e.action for e in alike])
+            change = np.vstack([np.abs(np.diff(e.action, axis=0)) for e in alike]).mean(axis=0)
+            rows += [{
+                "method": method, "component": name, "mean": values[:, n].mean(), "sd": values[:, n].std(),
+                "lowest": values[:, n].min(), "highest": values[:, n].max(), "mean_step": change[n],
+            } for n, name in enumerate(names)]
+    return pd.DataFrame(rows)

@@ -1,0 +1,76 @@
+"""Meta-World v3's scripted policies, called in the object's frame.
+
+The policies know unturned scenes only. They are shown the scene turned about the hand so that the object stands at yaw
+0, and their displacement is turned back. A policy that has a place of its task hard-coded (Hammer: the nail) is shown
+the scene shifted as well, so that the true place stands where it expects it; everything else in it is relative.
+Basketball's policy expects the hoop at y = 0.875 m; that is left as it is.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from metaworld.policies import ENV_POLICY_MAP
+
+from move.sim.configuration import Vector
+from move.sim.geometry import limited, turned, wrapped
+from move.sim.scene.scene import YAW_STEP, Scene
+from move.sim.tasks.task import Task
+
+HANDLE = {"faucet-open": (0.0, 0.0, -0.01)}  # what Meta-World observes as the object, from our object point, metres
+LIFTED = 0.02  # metres over its starting height at which an object counts as lifted
+UNTURNED = {"hammer", "box-close", "assembly"}  # are brought to yaw 0 once lifted
+STRIKE = {"hammer": ("body:nail_link", (0.24, 0.64, 0.11))}  # a point and where the policy has it hard-coded, metres
+TURN_BACK = math.radians(3.0)  # radians a step
+
+
+class MetaworldExpert:
+    """Meta-World v3's scripted policy, given the observation it was written for."""
+
+    def __init__(self, task: Task) -> None:
+        self.task, self.policy = task, ENV_POLICY_MAP[task.metaworld]()
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget at which height the object started; the policy itself has no memory."""
+        self.height = None
+
+    def action(self, scene: Scene) -> np.ndarray:
+        """The next action in [-1, 1], shape (action_size,), float32."""
+        yaw = scene.object_yaw if self.task.has_yaw else 0.0
+        command = np.clip(self.policy.get_action(self._observation(scene, yaw)), -1.0, 1.0).tolist()
+        moves = [limited(part, 1.0) for part in turned(tuple(command[:3]), yaw)]
+        turns = [limited(self._turn(scene) / YAW_STEP, 1.0)] if self.task.turns_gripper else []
+        return np.array([*moves, command[3], *turns], np.float32)
+
+    def _observation(self, scene: Scene, yaw: float) -> np.ndarray:
+        """Meta-World's 39 numbers: hand, opening, object and target, in the object's frame."""
+        hand = scene.hand.copy()
+        handle = scene.point(self.task.object_point) + HANDLE.get(self.task.name, (0.0, 0.0, 0.0))
+        shift = np.zeros(3)
+        if self.task.name in STRIKE:
+            name, expected = STRIKE[self.task.name]
+            shift = np.array(expected) - _seen(scene.point(name), hand, yaw)
+            shift[2] = 0.0
+        observation = np.zeros(39)
+        observation[:3], observation[3] = hand + shift, scene.opening
+        observation[4:7] = _seen(handle, hand, yaw) + shift
+        observation[36:] = _seen(scene.point(self.task.target_point), hand, yaw) + shift
+        return observation
+
+    def _turn(self, scene: Scene) -> float:
+        """How far the gripper should turn: to the object's yaw, or back to 0 with a lifted object that has to be."""
+        height = float(scene.point(self.task.object_point)[2])
+        self.height = height if self.height is None else self.height
+        if self.task.name in UNTURNED and height > self.height + LIFTED:
+            return -limited(scene.gripper_yaw, TURN_BACK)
+        return wrapped(scene.object_yaw, math.pi) - scene.gripper_yaw
+
+
+def _seen(point: np.ndarray, hand: np.ndarray, yaw: float) -> np.ndarray:
+    """`point` (metres) turned by -`yaw` (radians) about `hand`."""
+    if yaw == 0.0:
+        return point
+    away: Vector = tuple((point - hand).tolist())
+    return hand + np.array(turned(away, -yaw))

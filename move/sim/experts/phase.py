@@ -1,0 +1,188 @@
+"""Scripted experts that work in phases with hysteresis, and the table of all experts.
+
+An expert reads the scene and returns the next action. Each phase ends on one condition and is left backwards only on a
+clearly worse one. The phase expert closes the loop on the object it holds, so a slip of the grip is corrected rather
+than mistaken for a loss; Meta-World's policies (`move.sim.experts.metaworld`) decide afresh at every step.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Protocol
+
+import numpy as np
+
+from move.errors import BadInput
+from move.sim.configuration import Vector
+from move.sim.experts.metaworld import MetaworldExpert
+from move.sim.experts.transport import CARRIES
+from move.sim.geometry import shifted, turned, wrapped
+from move.sim.scene.scene import YAW_STEP, Scene
+from move.sim.tasks.task import Task
+
+GAIN = 15.0  # action per metre of error
+PUSH_GAIN = 25.0  # the same while a handle is worked
+ABOVE = 0.08  # metres over the grip height while approaching
+CLIMB = 0.08  # metres under the approach height at which the hand first goes up
+ASKEW = math.radians(8.0)  # radians between gripper and object at which a grip may begin
+
+
+class Expert(Protocol):
+    """Whatever demonstrates a task."""
+
+    def reset(self) -> None:
+        """Forget the last episode."""
+
+    def action(self, scene: Scene) -> np.ndarray:
+        """The next action in [-1, 1], shape (action_size,), float32."""
+
+
+def towards(goal: Vector, hand: Vector, gain: float) -> list[float]:
+    """Displacement of the hand's goal in [-1, 1] that takes the hand (metres) to `goal` (metres)."""
+    return [min(1.0, max(-1.0, gain * (there - here))) for there, here in zip(goal, hand, strict=True)]
+
+
+class GraspExpert:
+    """Approach from above, descend, close, carry; a dropped object starts it over.
+
+    While carrying, the hand moves by the distance between the held object and where it should be. Where the task turns
+    the gripper, it follows the object's yaw until it has closed.
+    """
+
+    def __init__(self, task: Task) -> None:
+        self.task, self.grip, self.carry = task, task.grip, CARRIES[task.name]
+        self.offsets = (self.grip.offset, *self.grip.otherwise)
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the last episode."""
+        self.phase, self.count, self.offset, self.memory = "approach", 0, self.grip.offset, set()
+
+    def action(self, scene: Scene) -> np.ndarray:
+        """The next action in [-1, 1], shape (action_size,), float32."""
+        hand, held = scene.hand.tolist(), scene.point(self.task.object_point).tolist()
+        grip = self._grip_point(scene, held)
+        aside, above = math.dist(hand[:2], grip[:2]), hand[2] - held[2] - self.grip.height
+        turn = self._turn_to_object(scene)
+        self._change_phase(aside, above, abs(turn) < ASKEW)
+        if self.phase == "carry":
+            leg = self.carry(scene, self.memory)
+            goal = [h + w - o for h, w, o in zip(hand, leg.goal, leg.held, strict=True)]
+            turn = leg.turn
+        else:
+            goal = self._goal(hand, held, grip, aside)
+        effort = self.grip.opening if self.phase in ("approach", "descend") else self.grip.effort
+        turns = [min(1.0, max(-1.0, turn / YAW_STEP))] if self.task.turns_gripper else []
+        return np.array([*towards(goal, hand, GAIN), effort, *turns], np.float32)
+
+    def _grip_point(self, scene: Scene, held: list[float]) -> Vector:
+        if not self.task.has_yaw:
+            return shifted(held, self.offset)
+        yaw = scene.object_yaw
+        if self.phase == "approach" and self.grip.otherwise:
+            nearest = scene.hand_limits[0][1] + 0.005  # metres; how near to the robot the hand can go
+            reached = (offset for offset in self.offsets if held[1] + turned(offset, yaw)[1] >= nearest)
+            self.offset = next(reached, self.offset)
+        return shifted(held, self.offset, yaw)
+
+    def _turn_to_object(self, scene: Scene) -> float:
+        """How far the gripper's goal is from the object's yaw (radians); it grips alike turned by half a circle."""
+        if not self.task.turns_gripper:
+            return 0.0
+        return wrapped(scene.object_yaw, math.pi) - scene.gripper_yaw
+
+    def _change_phase(self, aside: float, above: float, square: bool) -> None:
+        if self.phase == "carry" and (aside > 0.06 or above > 0.05):
+            self.phase, self.memory = "approach", set()
+        if self.phase == "approach" and aside < 0.015 and square:
+            self.phase, self.count = "descend", 0
+        if self.phase == "descend":
+            self.count += 1
+            if aside > 0.03:
+                self.phase = "approach"
+            elif (above < 0.012 and aside < 0.008) or self.count > self.grip.patience:
+                self.phase, self.count = "close", 0
+        if self.phase == "close":
+            self.count += 1
+            if self.count > self.grip.closing_steps:
+                self.phase = "carry"
+
+    def _goal(self, hand: list[float], held: list[float], grip: Vector, aside: float) -> Vector:
+        """Where the hand should go before it carries (metres)."""
+        height = held[2] + self.grip.height
+        if self.phase == "close":
+            return (grip[0], grip[1], hand[2])
+        if self.phase == "descend":
+            return (grip[0], grip[1], height - 0.01)
+        level = height + ABOVE
+        if aside > 0.06:  # come in from above: no need to go down early
+            level = max(level, min(hand[2], held[2] + 0.3))
+        return (grip[0], grip[1], level)
+
+
+class PressExpert:
+    """Approach from above, descend beside the handle, push it with the closed hand until it is open enough.
+
+    A missed handle starts it over.
+    """
+
+    def __init__(self, task: Task) -> None:
+        self.task, self.press = task, task.grip
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the last episode."""
+        self.phase = "approach"
+
+    def action(self, scene: Scene) -> np.ndarray:
+        """The next action in [-1, 1], shape (action_size,), float32."""
+        hand, handle = scene.hand.tolist(), scene.point(self.task.object_point).tolist()
+        yaw = scene.body_yaw(self.press.frame)
+        start = shifted(handle, self.press.offset, yaw)
+        aside, above = math.dist(hand[:2], start[:2]), hand[2] - start[2]
+        self._change_phase(aside, above)
+        done = scene.joint(self.press.joint) >= self.press.enough
+        goal = hand if done else self._goal(start, yaw, hand, aside)
+        gain = GAIN if self.phase == "approach" else PUSH_GAIN
+        return np.array([*towards(goal, hand, gain), 1.0], np.float32)
+
+    def _change_phase(self, aside: float, above: float) -> None:
+        if self.phase == "push" and (above > 0.06 or aside > self.press.lost):
+            self.phase = "approach"
+        if self.phase == "approach" and aside < 0.02:
+            self.phase = "descend"
+        if self.phase == "descend":
+            if aside > 0.05:
+                self.phase = "approach"
+            elif above < 0.015:
+                self.phase = "push"
+
+    def _goal(self, start: Vector, yaw: float, hand: list[float], aside: float) -> Vector:
+        """Where the hand should go (metres)."""
+        if self.phase == "push":
+            return shifted(start, self.press.stroke, yaw)
+        if self.phase == "descend":
+            return start
+        level = start[2] + self.press.above
+        if hand[2] < level - CLIMB and aside > 0.06:  # over the object, not through it
+            return (hand[0], hand[1], level)
+        return (start[0], start[1], max(level, hand[2]) if aside > 0.06 else level)
+
+
+def phase_expert(task: Task) -> Expert:
+    """The expert with phases: one that grasps, or one that works a handle."""
+    return GraspExpert(task) if task.grasps else PressExpert(task)
+
+
+EXPERTS = {"phase": phase_expert, "metaworld": MetaworldExpert}
+
+
+def make_expert(name: str, task: Task) -> Expert:
+    """The expert called `name` for `task`.
+
+    Raises:
+        BadInput: an unknown name.
+    """
+    if name not in EXPERTS:
+        raise BadInput(f"expert: {name!r} given; allowed are {', '.join(EXPERTS)}")
+    return EXPERTS[name](task)

@@ -1,0 +1,230 @@
+"""Motions as Gymnasium wrappers: what moves while the expert demonstrates, and in which phase of the task.
+
+    with_motions          the paper's staged strategy: puts the motions below around a scene
+    ObjectTranslation     equation 1 for the object, in the pick phase
+    ObjectRotation        equation 2 for the object, in the pick phase
+    TargetTranslation     equation 1 for the target, in the placement phase
+    CameraMotion          equation 3, in both phases
+
+A motion draws its speed and direction on reset from the scene's generator and moves its part before each step, so one
+observation is made a step however many motions are stacked.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import gymnasium
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field
+
+from move.sim.configuration import Box, Disc, SpatialConfiguration
+from move.sim.motion import equations
+from move.sim.scene.scene import Scene
+from move.sim.tasks.task import FACTORS
+
+
+class Motions(BaseModel):
+    """Largest speeds of MOVE's motions; 0 leaves a motion out."""
+
+    model_config = ConfigDict(frozen=True, strict=True, extra="forbid")
+
+    object_speed: float = Field(0.03, ge=0, description="metres per step")
+    target_speed: float = Field(0.03, ge=0, description="metres per step")
+    yaw_speed: float = Field(math.radians(1.0), ge=0, description="radians per step")
+    camera_speed: float = Field(math.radians(1.0), ge=0, description="radians per step")
+
+
+class Motion(gymnasium.Wrapper):
+    """One part of the scene that moves by a law of time while `moving` holds.
+
+    Where the law would leave what the task allows (object and target nearer than its clearance, or something out of
+    reach), the motion goes back the way it came; where that is not allowed either, it stands still for a step.
+    """
+
+    keeps_clear = True
+
+    def __init__(self, env: gymnasium.Env, maximum_speed: float) -> None:
+        super().__init__(env)
+        self.scene: Scene = env.unwrapped
+        self.maximum_speed = maximum_speed
+
+    def reset(self, **keywords: Any) -> tuple[np.ndarray, dict]:
+        """Start an episode and draw this motion's speed and direction."""
+        observation, info = self.env.reset(**keywords)
+        self.start, self.clock, self.sense, self.moves = self.scene.configuration, 0, 1, 0
+        self.draw(self.scene.np_random)
+        return observation, info
+
+    def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict]:
+        """Move this part, then step."""
+        if self.moving():
+            self._move()
+        return self.env.step(action)
+
+    def _move(self) -> None:
+        wanted = self.placed(self.clock + self.sense)
+        self.moves += 1
+        if not self._allowed(wanted):
+            self.sense = -self.sense
+            wanted = self.placed(self.clock + self.sense)
+            if not self._allowed(wanted):
+                return
+        self.clock += self.sense
+        self.apply(wanted)
+
+    def _allowed(self, wanted: SpatialConfiguration) -> bool:
+        return not self.keeps_clear or self.scene.task.allows(wanted, self.scene.task.clearance)
+
+    def moving(self) -> bool:
+        """Whether this part moves in the coming step."""
+        raise NotImplementedError
+
+    def draw(self, rng: np.random.Generator) -> None:
+        """Draw speed and direction."""
+        raise NotImplementedError
+
+    def placed(self, time: float) -> SpatialConfiguration:
+        """The scene's configuration with this part where its law has it at `time` (steps)."""
+        raise NotImplementedError
+
+    def apply(self, configuration: SpatialConfiguration) -> None:
+        """Write this part of `configuration` into the scene."""
+        raise NotImplementedError
+
+
+class PickMotion(Motion):
+    """What moves in the pick phase: until the object is grasped, for at most the task's `object_steps`.
+
+    Where the task is done without a grasp, the first touch ends the pick phase.
+    """
+
+    def moving(self) -> bool:
+        """Whether the pick phase lasts and steps are left."""
+        return self.scene.phase == "pick" and self.moves < self.scene.task.object_steps
+
+    def apply(self, configuration: SpatialConfiguration) -> None:
+        """Put the object where `configuration` has it."""
+        self.scene.move_object(configuration.object_position, configuration.object_yaw)
+
+
+class ObjectTranslation(PickMotion):
+    """The object moves in the table's plane (equation 1).
+
+    Args:
+        env: a scene, wrapped or not.
+        maximum_speed: v_max, metres per step.
+        region: where it moves; the task's object range by default.
+        arrive: the configured position is where the motion ends, after all its steps, and not where it starts.
+    """
+
+    def __init__(self, env: gymnasium.Env, maximum_speed: float, region: Box | Disc | None = None,
+                 arrive: bool = False) -> None:
+        super().__init__(env, maximum_speed)
+        self.region, self.arrive, self.keeps_clear = region or self.scene.task.object_range, arrive, not arrive
+
+    def reset(self, **keywords: Any) -> tuple[np.ndarray, dict]:
+        """Start an episode; an arriving object is traced back to where its motion begins."""
+        observation, info = super().reset(**keywords)
+        if not self.arrive:
+            return observation, info
+        self.clock = -self.scene.task.object_steps
+        self.apply(self.placed(self.clock))
+        return self.scene.refresh(), info
+
+    def draw(self, rng: np.random.Generator) -> None:
+        """Draw v ~ Beta(2, 5) and a direction uniform on the circle."""
+        speed = equations.draw_speed(rng, self.maximum_speed)
+        self.velocity = tuple(speed * part for part in equations.draw_direction(rng, 2))
+
+    def placed(self, time: float) -> SpatialConfiguration:
+        """The configuration with the object where it is after `time` steps."""
+        there = equations.translate(self.start.object_position, self.velocity, time, self.region)
+        return replace(self.scene.configuration, object_position=there)
+
+
+class ObjectRotation(PickMotion):
+    """The object turns about the vertical within the task's yaw range (equation 2); `maximum_speed` in rad/step."""
+
+    def draw(self, rng: np.random.Generator) -> None:
+        """Draw w ~ Beta(2, 5) and a direction in {-1, 1}."""
+        self.velocity = equations.draw_speed(rng, self.maximum_speed) * equations.draw_sign(rng)
+
+    def placed(self, time: float) -> SpatialConfiguration:
+        """The configuration with the yaw after `time` steps."""
+        yaw = equations.turn(self.start.object_yaw, self.velocity, time, *self.scene.task.yaw_range)
+        return replace(self.scene.configuration, object_yaw=yaw)
+
+
+class TargetTranslation(Motion):
+    """The target moves from the grasp on, until the task's `target_steps` (equation 1).
+
+    It stands still while the held object is about to be placed, within the task's `freeze_distance`.
+    """
+
+    def moving(self) -> bool:
+        """Whether the object was grasped and the target may still move."""
+        scene, task = self.scene, self.scene.task
+        if scene.phase != "place" or scene.steps >= task.target_steps:
+            return False
+        if not task.freeze_distance:
+            return True
+        placed, there = scene.point(task.placed_point), scene.point(task.target_point)
+        return math.dist(placed[:2], there[:2]) >= task.freeze_distance
+
+    def draw(self, rng: np.random.Generator) -> None:
+        """Draw v ~ Beta(2, 5) and a direction uniform on the sphere, or on the circle for a target on the table."""
+        speed = equations.draw_speed(rng, self.maximum_speed)
+        direction = equations.draw_direction(rng, self.scene.task.target_dimensions)
+        self.velocity = tuple(speed * part for part in direction)
+        self.keeps_clear = False  # the object is in the hand
+
+    def placed(self, time: float) -> SpatialConfiguration:
+        """The configuration with the target where it is after `time` steps."""
+        there = equations.translate(self.start.target_position, self.velocity, time, self.scene.task.target_range)
+        return replace(self.scene.configuration, target_position=there)
+
+    def apply(self, configuration: SpatialConfiguration) -> None:
+        """Put the target there."""
+        self.scene.move_target(configuration.target_position)
+
+
+class CameraMotion(Motion):
+    """The camera moves along its cylinder in both phases (equation 3); `maximum_speed` in radians per step."""
+
+    keeps_clear = False
+
+    def moving(self) -> bool:
+        """Always."""
+        return True
+
+    def draw(self, rng: np.random.Generator) -> None:
+        """Draw u ~ Beta(2, 5) and a direction in {-1, 1}."""
+        self.velocity = equations.draw_speed(rng, self.maximum_speed) * equations.draw_sign(rng)
+
+    def placed(self, time: float) -> SpatialConfiguration:
+        """The configuration with the camera's angle after `time` steps."""
+        angle = equations.turn(self.start.camera_angle, self.velocity, time, *self.scene.task.camera_range)
+        return replace(self.scene.configuration, camera_angle=angle)
+
+    def apply(self, configuration: SpatialConfiguration) -> None:
+        """Put the camera there."""
+        self.scene.move_camera(configuration.camera_angle)
+
+
+def with_motions(scene: Scene, motions: Motions, factors: str, region: Box | Disc | None = None,
+                 arrive: bool = False) -> gymnasium.Env:
+    """MOVE's staged strategy around `scene`: only what `factors` randomises moves, and only with a speed above 0."""
+    free, task = FACTORS[factors], scene.task
+    env: gymnasium.Env = scene
+    if motions.object_speed:
+        env = ObjectTranslation(env, motions.object_speed, region, arrive)
+    if motions.yaw_speed and task.has_yaw:
+        env = ObjectRotation(env, motions.yaw_speed * task.yaw_speed_scale)
+    if motions.target_speed and task.has_target and "target" in free:
+        env = TargetTranslation(env, motions.target_speed)
+    if motions.camera_speed and "camera" in free:
+        env = CameraMotion(env, motions.camera_speed)
+    return env

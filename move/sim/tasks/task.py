@@ -1,0 +1,177 @@
+"""What a task is: what is moved, over which ranges, what is seen as keypoints, how it is done and what success means.
+
+The scene, the motions and the experts read a `Task`; they hold no knowledge of any one. The ten tasks of the paper are
+in `move.sim.tasks`.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from move.errors import BadInput
+from move.sim.configuration import Box, SpatialConfiguration, Vector
+from move.sim.tasks.feasibility import Reachable, anywhere
+from move.sim.tasks.success import Success
+
+FACTORS = {
+    "object": frozenset({"object"}),
+    "object+target": frozenset({"object", "target", "hand"}),
+    "all": frozenset({"object", "target", "hand", "camera"}),
+}
+"""The settings of Table 1: which parts of the configuration are random; the others stay at the task's fixed ones.
+The object's yaw, where a task has one, goes with the object; the hand's start goes with the target."""
+
+MAX_DRAWS = 1000
+
+
+@dataclass(frozen=True)
+class Mount:
+    """One MuJoCo element that is written when the object or the target moves.
+
+    `kind` is "free" (a body with a free joint), "body" (a body fixed in the world) or "site" (one of the world's);
+    `offset` in metres is turned with the object and added to the position; `yaw` in radians is the stock orientation;
+    `joint` names a joint that is put back to 0 whenever the element is moved, so a moved handle cannot open by itself.
+    """
+
+    kind: str
+    name: str
+    offset: Vector = (0.0, 0.0, 0.0)
+    yaw: float = 0.0
+    joint: str | None = None
+
+
+@dataclass(frozen=True)
+class Grip:
+    """How the phase expert grips: the point and height over the object, effort in [-1, 1], steps spent closing."""
+
+    offset: Vector = (0.0, 0.0, 0.0)  # from the object's point, in the object's frame, metres
+    height: float = 0.03  # hand above the object's point while gripping, metres
+    effort: float = 1.0
+    opening: float = 0.0  # gripper command while approaching
+    closing_steps: int = 8
+    patience: int = 60  # steps of descending after which it closes wherever it is
+    otherwise: tuple[Vector, ...] = ()  # offsets tried in turn where the hand cannot go to the first
+
+
+@dataclass(frozen=True)
+class Press:
+    """How the phase expert works a handle without gripping it: with a closed hand, from a start, along a stroke."""
+
+    frame: str  # the body whose yaw the offset and the stroke turn with
+    offset: Vector  # of the hand from the handle when the stroke begins, metres
+    stroke: Vector  # where the hand pushes from there, metres
+    above: float  # hand above the start while approaching, metres
+    joint: str  # that opens
+    enough: float  # position of the joint at which the hand stops, metres or radians
+    lost: float = 0.06  # metres in the plane from the start at which a stroke has missed the handle
+
+
+@dataclass(frozen=True)
+class Task:
+    """One of the paper's tasks.
+
+    Positions in metres, angles in radians, speeds per step. `separation` is the least distance in the plane between
+    object and target that a random configuration may have, `clearance` the least that the motions may lead to.
+    """
+
+    name: str
+    title: str  # as in Table 2
+    metaworld: str  # Meta-World's name
+    object_range: Box
+    target_range: Box
+    hand_range: Box
+    camera_range: tuple[float, float]
+    object_mounts: tuple[Mount, ...]  # the first is the object's own body
+    target_mounts: tuple[Mount, ...]
+    object_point: str  # the point that experts, motions and keypoints mean by "the object"
+    keypoints: tuple[str, ...]  # after fingers and hand; names as in Scene.point
+    success: Success
+    fixed: SpatialConfiguration  # what is not randomised stays here
+    grip: Grip | Press
+    yaw_range: tuple[float, float] = (0.0, 0.0)
+    yaw_speed_scale: float = 1.0  # of the motions' largest yaw speed
+    turns_gripper: bool = False  # whether the action has a fifth part, the gripper's yaw
+    separation: float = 0.15
+    clearance: float = 0.12
+    reachable: Reachable = anywhere
+    object_steps: int = 30  # the object moves for this many steps, unless it is grasped before
+    target_steps: int = 90  # the target moves from the grasp until this step
+    target_dimensions: int = 3  # 2: moves in the table's plane
+    target_point: str = "target"  # where the placed point has to go
+    placed_point: str = ""  # of the held object; named where there is a freeze distance
+    freeze_distance: float = 0.0  # the target stands still while the placed point is nearer in the plane, metres
+    jump_clearance: float = 0.0  # a jumping target stays this far in the plane from the object, metres
+    strict_success: Success | None = None  # a harder condition, recorded beside success
+    timesteps: int = 20_000  # Table 5
+
+    @property
+    def action_size(self) -> int:
+        """Parts of an action: displacement (3), effort and, where the gripper turns, its yaw."""
+        return 5 if self.turns_gripper else 4
+
+    @property
+    def has_target(self) -> bool:
+        """Whether there is a target apart from the object."""
+        return bool(self.target_mounts)
+
+    @property
+    def has_yaw(self) -> bool:
+        """Whether the object's yaw is varied."""
+        return self.yaw_range[1] > self.yaw_range[0]
+
+    @property
+    def grasps(self) -> bool:
+        """Whether the pick phase ends with a grasp; otherwise it ends with the first touch."""
+        return isinstance(self.grip, Grip)
+
+    def allows(self, configuration: SpatialConfiguration, distance: float) -> bool:
+        """Whether object and target are `distance` metres apart in the plane, and everything within reach."""
+        return self._apart(configuration, distance) and self.reachable(configuration)
+
+    def _apart(self, configuration: SpatialConfiguration, distance: float) -> bool:
+        if not self.has_target:
+            return True
+        return math.dist(configuration.object_position[:2], configuration.target_position[:2]) >= distance
+
+    def sample(self, rng: np.random.Generator, factors: str = "all") -> SpatialConfiguration:
+        """Draw a configuration: the `factors` (a key of FACTORS) are random, the rest is the task's fixed one.
+
+        Raises:
+            BadInput: unknown factors, or no allowed configuration in a thousand draws.
+        """
+        if factors not in FACTORS:
+            raise BadInput(f"factors: {factors!r} given; allowed are {', '.join(FACTORS)}")
+        for _ in range(MAX_DRAWS):
+            drawn = self._draw(rng, factors)
+            if self.allows(drawn, self.separation):
+                return drawn
+        raise BadInput(f"{self.name}: no configuration has object and target {self.separation} m apart")
+
+    def _draw(self, rng: np.random.Generator, factors: str) -> SpatialConfiguration:
+        free, fixed = FACTORS[factors], self.fixed
+        return SpatialConfiguration(
+            object_position=self.object_range.sample(rng),
+            target_position=self.target_range.sample(rng) if "target" in free else fixed.target_position,
+            hand_position=self.hand_range.sample(rng) if "hand" in free else fixed.hand_position,
+            camera_angle=float(rng.uniform(*self.camera_range)) if "camera" in free else fixed.camera_angle,
+            object_yaw=float(rng.uniform(*self.yaw_range)),
+        )
+
+
+def kept_share(task: Task, rng: np.random.Generator, n: int) -> float:
+    """Share of `n` configurations with object and target apart that the reach and clearance filter keeps.
+
+    >>> from move.sim.tasks import get_task
+    >>> kept_share(get_task("pick-place"), np.random.default_rng(0), 100)
+    1.0
+    """
+    kept = tried = 0
+    while tried < n:
+        drawn = task._draw(rng, "all")
+        if task._apart(drawn, task.separation):
+            tried += 1
+            kept += task.reachable(drawn)
+    return kept / n
