@@ -10,24 +10,25 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Literal, Self
 
 import gymnasium
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, field_validator
+from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
 from move.errors import BadInput
 from move.sim.configuration import SpatialConfiguration, Vector
 from move.sim.demonstrations import Demonstrations
 from move.sim.experts.phase import Expert, make_expert
 from move.sim.grasp_points import grasp_point, motion_region
-from move.sim.motion.adc import Jumps
+from move.sim.motion.adc import Jumping, Jumps, jumping_phases
 from move.sim.motion.wrappers import Motions, with_motions
 from move.sim.scene.scene import EPISODE_STEPS, SUCCESS_STEPS, Scene
 from move.sim.tasks import FACTORS, TASKS, Task, get_task
 
 METHODS = ("static", "adc", "move")
 STREAM = 1  # first word of every collection seed: no other part of the package draws from it
+HAND = 1  # second word of the seed that draws a hand's start, beside what the scene draws from the same attempt
 GRASP_TOLERANCE = 0.002  # metres between the prescribed grasp point and where the object stood when grasped
 PATIENCE = 50  # failed attempts in a row after which a collection is given up
 
@@ -46,6 +47,11 @@ class Collection(BaseModel):
     protocol: Literal["random", "sparse", "dense", "circle"] = Field("random", description="where it grasps")
     expert: Literal["phase", "metaworld"] = Field("phase", description="who demonstrates")
     motions: Motions = Motions()
+    jumping: Jumping = Jumping()
+    hand_spread: float = Field(
+        0.0, ge=0, le=0.1, allow_inf_nan=False, description="metres; half-side of the box around the task's fixed hand "
+        "in which the hand starts where the grasp point is prescribed; 0: all start alike"
+    )
 
     @field_validator("task")
     @classmethod
@@ -60,6 +66,15 @@ class Collection(BaseModel):
         if name not in FACTORS:
             raise ValueError(f"allowed are {', '.join(FACTORS)}")
         return name
+
+    @model_validator(mode="after")
+    def _nothing_without_effect(self) -> Self:
+        if self.hand_spread and self.protocol == "random":
+            raise ValueError(f"hand_spread {self.hand_spread} with protocol 'random'; allowed there is 0, for the "
+                             "hand's start is one of the factors")
+        if self.jumping != Jumping() and self.method != "adc":
+            raise ValueError(f"jumping is given for method {self.method!r}; allowed for 'adc' only")
+        return self
 
 
 @dataclass(frozen=True)
@@ -78,6 +93,7 @@ class CollectionRecord:
     seconds: float
     starts: list[SpatialConfiguration]  # of the kept demonstrations, in order
     grasps: list[SpatialConfiguration]  # the same demonstrations at the step of the grasp, or of the first touch
+    jumps: list[int]  # ADC's jumps of object and target in each of the same demonstrations; 0 for the other methods
 
     def content(self) -> dict:
         """The record as JSON holds it; configurations in columns, to a micrometre and a microradian."""
@@ -98,6 +114,7 @@ class Episode:
     succeeded: bool
     start: SpatialConfiguration
     grasp: SpatialConfiguration | None  # None where nothing was grasped, or touched where a touch is enough
+    jumps: int = 0  # of object and target, under ADC
 
 
 def collecting_env(collection: Collection) -> gymnasium.Env:
@@ -107,7 +124,7 @@ def collecting_env(collection: Collection) -> gymnasium.Env:
     if collection.method == "static":
         return scene
     if collection.method == "adc":
-        return Jumps(scene, target="target" in FACTORS[collection.factors])
+        return Jumps(scene, collection.factors, collection.jumping)
     arrive = collection.protocol != "random"
     return with_motions(scene, collection.motions, collection.factors, motion_region(collection.protocol, task), arrive)
 
@@ -130,11 +147,13 @@ def demonstrate(env: gymnasium.Env, expert: Expert, seed: int, options: dict) ->
         successes += info["success"]
         if grasp is None and info["phase"] == "place":
             grasp = scene.configuration
-    return Episode(observations, actions, successes >= SUCCESS_STEPS, start, grasp)
+    return Episode(observations, actions, successes >= SUCCESS_STEPS, start, grasp, info.get("jumps", 0))
 
 
 def attempts(collection: Collection, seed: int, env: gymnasium.Env | None = None) -> Iterator[Episode]:
     """Endless attempts; one that grasps away from its prescribed point counts as failed.
+
+    So does one without all its jumps, where the collection requires them.
 
     Args:
         env: `collecting_env(collection)` with more wrapped around it, for a caller that watches.
@@ -144,20 +163,34 @@ def attempts(collection: Collection, seed: int, env: gymnasium.Env | None = None
     attempt = kept = 0
     while True:
         point = grasp_point(collection.protocol, task, kept, seed)
-        options = _start(collection, task, point)
+        options = _start(collection, task, point, attempt_seed(seed, attempt))
         episode = demonstrate(env, expert, attempt_seed(seed, attempt), options)
-        if point is not None and not _grasped_there(episode, point):
+        if (point is not None and not _grasped_there(episode, point)) or episode.jumps < required_jumps(collection):
             episode = replace(episode, succeeded=False)
         kept += episode.succeeded
         attempt += 1
         yield episode
 
 
-def _start(collection: Collection, task: Task, point: Vector | None) -> dict:
+def required_jumps(collection: Collection) -> int:
+    """How many jumps a demonstration must have to be kept."""
+    if not collection.jumping.required:
+        return 0
+    return collection.jumping.times * len(jumping_phases(get_task(collection.task), collection.factors))
+
+
+def _start(collection: Collection, task: Task, point: Vector | None, seed: int) -> dict:
     """The reset options of an attempt that has to grasp at `point`, or that starts anywhere."""
     if point is None:
         return {"factors": collection.factors}
-    return {"configuration": replace(task.fixed, object_position=point)}
+    hand = hand_start(task, collection.hand_spread, seed)
+    return {"configuration": replace(task.fixed, object_position=point, hand_position=hand)}
+
+
+def hand_start(task: Task, spread: float, seed: int) -> Vector:
+    """Where the hand starts (metres): drawn from the box of half-side `spread` around the task's fixed hand."""
+    drawn = np.random.default_rng([seed, HAND]).uniform(-spread, spread, 3) if spread else (0.0, 0.0, 0.0)
+    return tuple(float(fixed + aside) for fixed, aside in zip(task.fixed.hand_position, drawn, strict=True))
 
 
 def _grasped_there(episode: Episode, point: Vector) -> bool:
@@ -203,6 +236,7 @@ def collect(
         seconds=time.perf_counter() - started,
         starts=[episode.start for episode in episodes],
         grasps=[episode.grasp for episode in episodes],
+        jumps=[episode.jumps for episode in episodes],
     )
     return _join(episodes, collection.timesteps), record
 

@@ -20,6 +20,7 @@ from move.learn.train import TrainingReport, train
 from move.machine import best_device, one_thread
 from move.paths import RUNS
 from move.sim.collect import CollectionRecord, attempts, collect
+from move.sim.motion.adc import Jumping
 from move.sim.tasks import get_task
 from move.study.provenance import provenance
 from move.study.results import Result, store
@@ -55,10 +56,12 @@ def run(
 
 
 def _count_attempts(spec: RunSpec, report: OnProgress, seconds: dict[str, float]) -> list[dict]:
-    """One row an attempt to demonstrate: whether it succeeded, and its steps."""
+    """One row an attempt to demonstrate: whether it succeeded, its steps, and its jumps where ADC's rule is chosen."""
     started, rows = time.perf_counter(), []
     for number, episode in enumerate(islice(attempts(spec.collection, spec.seed), spec.evaluation.episodes)):
         rows.append({"trial": number, "group": "attempt", "success": episode.succeeded, "steps": len(episode.actions)})
+        if spec.collection.jumping != Jumping():  # rows of the default stay what they were
+            rows[-1]["jumps"] = episode.jumps
         report("collect", number + 1, spec.evaluation.episodes)
     seconds["collect"] = time.perf_counter() - started
     return rows

@@ -1,60 +1,113 @@
-"""ADC, the second baseline: object and target jump to a fresh place as the gripper comes near, once each."""
+"""ADC, the second baseline: object and target jump to fresh places as the gripper comes near."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Any
+from typing import Any, Literal
 
 import gymnasium
 import numpy as np
+from pydantic import BaseModel, ConfigDict, Field
 
 from move.sim.configuration import Vector
 from move.sim.scene.scene import Scene
+from move.sim.tasks import FACTORS, Task
 
 JUMP_DISTANCE = 0.2  # metres between gripper and object or target at which it jumps
 
 
-class Jumps(gymnasium.Wrapper):
-    """ADC: object (pick phase) and target (placement phase) jump once each to a fresh random place.
+class Jumping(BaseModel):
+    """When ADC's object and target jump."""
 
-    They do so when the gripper, the point midway between its fingers, comes within 0.2 m.
+    model_config = ConfigDict(frozen=True, strict=True, extra="forbid")
+
+    seen_steps: int = Field(0, ge=0, le=50, description="observations of a phase that show a place before what stands "
+                            "there may jump")
+    distance_from: Literal["fingers", "held"] = Field(
+        "fingers", description="what has to come near the target: the point between the fingers, or what they hold"
+    )
+    times: int = Field(1, ge=1, le=10, description="jumps a phase")
+    required: bool = Field(False, description="whether a demonstration that lacks one of its jumps counts as failed")
+
+
+MENDED = Jumping(seen_steps=10, distance_from="held", required=True)
+"""Every demonstration shows an old place and a new one in each phase. The hand moves 1 cm a step at most, so ten steps
+show up to half of the 0.2 m in which it comes near."""
+
+PERIODIC = MENDED.model_copy(update={"times": 2})
+"""The same with two jumps a phase: of three, many demonstrations do not get all before they are done."""
+
+
+def jumping_phases(task: Task, factors: str) -> tuple[str, ...]:
+    """The phases in which something jumps: "pick" (the object) and, where the target is random, "place" (the target).
+
+    >>> from move.sim.tasks import get_task
+    >>> jumping_phases(get_task("pick-place"), "object")
+    ('pick',)
+    """
+    return ("pick", "place") if "target" in FACTORS[factors] and task.has_target else ("pick",)
+
+
+class Jumps(gymnasium.Wrapper):
+    """ADC: object (pick phase) and target (placement phase) jump to fresh random places, once each by default.
+
+    They do so when the gripper, the point midway between its fingers, comes within 0.2 m. `info["jumps"]` counts the
+    jumps of the episode.
+
+    Args:
+        env: a scene, wrapped or not.
+        factors: what is random: a key of FACTORS.
+        jumping: when they jump.
     """
 
-    def __init__(self, env: gymnasium.Env, target: bool = True) -> None:
+    def __init__(self, env: gymnasium.Env, factors: str = "all", jumping: Jumping | None = None) -> None:
         super().__init__(env)
         self.scene: Scene = env.unwrapped
-        self.jumping = {"pick", "place"} if target and self.scene.task.has_target else {"pick"}
+        self.jumping, self.phases = jumping or Jumping(), jumping_phases(self.scene.task, factors)
 
     def reset(self, **keywords: Any) -> tuple[np.ndarray, dict]:
         """Start an episode with all jumps still to come."""
-        self.left = set(self.jumping)
-        return self.env.reset(**keywords)
+        self.left = dict.fromkeys(self.phases, self.jumping.times)
+        self.jumps, self.seen, self.seen_in = 0, 0, "pick"
+        observation, info = self.env.reset(**keywords)
+        return observation, info | {"jumps": 0}
 
     def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict]:
         """Jump if it is time, then step."""
         phase = self.scene.phase
-        if phase in self.left and self._near(phase):
-            self.left.remove(phase)
-            self._jump(phase)
-        return self.env.step(action)
+        self.seen = self.seen + 1 if phase == self.seen_in else 1
+        self.seen_in = phase
+        if self.left.get(phase) and self.seen >= self.jumping.seen_steps and self._near(phase):
+            self.left[phase] -= 1
+            self.seen = 0
+            self.jumps += self._jump(phase)
+        observation, reward, terminated, truncated, info = self.env.step(action)
+        return observation, reward, terminated, truncated, info | {"jumps": self.jumps}
 
     def _near(self, phase: str) -> bool:
-        point = self.scene.task.object_point if phase == "pick" else self.scene.task.target_point
-        fingers = (self.scene.point("site:leftEndEffector") + self.scene.point("site:rightEndEffector")) / 2
-        return math.dist(fingers, self.scene.point(point)) < JUMP_DISTANCE
+        scene, task = self.scene, self.scene.task
+        there = scene.point(task.object_point if phase == "pick" else task.target_point)
+        if phase == "place" and self.jumping.distance_from == "held":
+            return math.dist(scene.point(task.placed_point or task.object_point), there) < JUMP_DISTANCE
+        fingers = (scene.point("site:leftEndEffector") + scene.point("site:rightEndEffector")) / 2
+        return math.dist(fingers, there) < JUMP_DISTANCE
 
-    def _jump(self, phase: str) -> None:
+    def _jump(self, phase: str) -> bool:
+        """Move the object or the target; False where a thousand draws gave no allowed place."""
         scene, task = self.scene, self.scene.task
         for _ in range(1000):
             drawn = task.sample(scene.np_random, "object" if phase == "pick" else "object+target")
             if phase == "place":
                 if self._clear(drawn.target_position):
-                    return scene.move_target(drawn.target_position)
+                    scene.move_target(drawn.target_position)
+                    return True
                 continue
             kept = replace(scene.configuration, object_position=drawn.object_position, object_yaw=drawn.object_yaw)
             if task.allows(kept, task.separation):
-                return scene.move_object(kept.object_position, kept.object_yaw)
+                scene.move_object(kept.object_position, kept.object_yaw)
+                return True
+        return False
 
     def _clear(self, place: Vector) -> bool:
         """Whether a target at `place` would not appear inside the object or the hand that holds it."""

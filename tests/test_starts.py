@@ -1,0 +1,97 @@
+"""The hand's start in the preliminary protocols: alike by default, or a place of its own for each demonstration."""
+
+import hashlib
+from itertools import islice
+
+import numpy as np
+import pytest
+from pydantic import ValidationError
+
+from move.sim.collect import Collection, attempts, collect
+from move.sim.grasp_points import grasp_point
+from move.sim.scene.scene import Scene
+from move.sim.tasks import get_task
+from move.study.spec import RunSpec
+
+TASK = get_task("pick-place")
+SPREAD = 0.03  # metres
+
+
+def plan(**changes) -> Collection:
+    return Collection(**{"task": "pick-place", "method": "static", "timesteps": 7000, "factors": "object",
+                         "protocol": "sparse", "hand_spread": SPREAD, **changes})
+
+
+def fingerprint(*parts: np.ndarray) -> str:
+    return hashlib.sha256(b"".join(part.tobytes() for part in parts)).hexdigest()
+
+
+def distinct(demonstrations) -> int:
+    """How many demonstrations differ from all others in what is seen or done."""
+    ends = demonstrations.episode_ends
+    spans = [slice(start, end) for start, end in zip([0, *ends[:-1]], ends, strict=True)]
+    return len({fingerprint(demonstrations.observations[span], demonstrations.actions[span]) for span in spans})
+
+
+@pytest.fixture(scope="module")
+def five_seeds():
+    """Figure 1's static data set of five seeds with distinct starts."""
+    return [collect(plan(), seed) for seed in range(5)]
+
+
+def test_seeds_are_repetitions_only_with_starts_of_their_own(five_seeds):
+    spread = [fingerprint(made.observations, made.actions, made.episode_ends) for made, _ in five_seeds]
+    alike = [collect(plan(hand_spread=0.0), seed)[0] for seed in range(5)]
+    assert len(set(spread)) == 5
+    assert len({fingerprint(made.observations, made.actions, made.episode_ends) for made in alike}) == 1
+
+
+def test_every_demonstration_is_another(five_seeds):
+    assert all(distinct(made) == made.episodes for made, _ in five_seeds)
+    alike, _ = collect(plan(hand_spread=0.0, timesteps=2000), 0)
+    assert distinct(alike) < alike.episodes
+
+
+def test_hands_start_all_over_the_spread_and_within_their_limits(five_seeds):
+    starts = np.array([start.hand_position for _, record in five_seeds for start in record.starts])
+    aside = starts - TASK.fixed.hand_position
+    assert np.abs(aside).max() <= SPREAD
+    assert (aside.min(axis=0) < -0.9 * SPREAD).all() and (aside.max(axis=0) > 0.9 * SPREAD).all()
+    low, high = (np.array(limit) for limit in Scene().hand_limits)
+    fixed = np.array(TASK.fixed.hand_position)
+    assert (fixed - 0.1 >= low).all() and (fixed + 0.1 <= high).all()  # the largest spread there is
+
+
+def test_the_scene_begins_where_the_record_says():
+    first = [next(attempts(plan(hand_spread=spread), 0)) for spread in (0.0, SPREAD)]
+    places = [Scene().reset(options={"configuration": episode.start})[0] for episode in first]
+    assert all(np.array_equal(place, episode.observations[0]) for place, episode in zip(places, first, strict=True))
+    assert not np.array_equal(*places)
+
+
+@pytest.mark.parametrize("protocol", ["sparse", "dense", "circle"])
+def test_methods_share_starts_and_keep_their_grasp_points(protocol):
+    tried = {method: list(islice(attempts(plan(method=method, protocol=protocol), 3), 8))
+             for method in ("static", "move")}
+    for number, pair in enumerate(zip(*tried.values(), strict=True)):
+        assert pair[0].start.hand_position == pair[1].start.hand_position
+        for episode in pair:
+            assert episode.succeeded
+            assert episode.grasp.object_position == pytest.approx(grasp_point(protocol, TASK, number, 3), abs=2e-3)
+    hands = {episode.start.hand_position for episode in tried["static"]}
+    assert len(hands) == 8 and TASK.fixed.hand_position not in hands
+
+
+def test_starts_alike_do_not_enter_the_hash():
+    hashes = [RunSpec(task="pick-place", seed=0, player="collector", collection=collection).hash
+              for collection in (plan(hand_spread=0.0), plan(), plan(hand_spread=0.05))]
+    without = {name: value for name, value in plan(hand_spread=0.0).model_dump().items() if name != "hand_spread"}
+    old = RunSpec(task="pick-place", seed=0, player="collector", collection=without).hash
+    assert old == hashes[0] and len(set(hashes)) == 3
+
+
+@pytest.mark.parametrize("wrong", [{"hand_spread": -0.01}, {"hand_spread": 0.2}, {"hand_spread": float("nan")},
+                                   {"protocol": "random"}])
+def test_impossible_spreads_are_refused(wrong):
+    with pytest.raises(ValidationError):
+        plan(**wrong)
