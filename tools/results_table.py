@@ -1,4 +1,4 @@
-"""Writes README's table of results, between its two markers, from the figures' own tables: `python tools/results_table.py`.
+"""Writes README's table of results, between its markers, from the figures' own tables: `python tools/results_table.py`.
 
 The verdict of a row is a rule on two numbers and an interval (`verdict`); nobody words it.
 """
@@ -87,8 +87,9 @@ def _tasks(other: str) -> str:
     ours, name = rates.groupby("method").value.mean(), "ADC" if other == "adc" else other
     printed = paper.published("table2_main", "mean_success").set_index("method").value
     seeds = rates.seeds.map(ast.literal_eval).map(len).max()
-    return _line(f"Table 2, mean of {gap['items']:.0f} tasks", (ours[other], ours["move"]), (gap.gap, gap.low, gap.high),
-                 seeds, (printed[other], printed["move"]), f"{name}, MOVE")
+    what = f"Table 2, mean of {gap['items']:.0f} tasks"
+    return _line(what, (ours[other], ours["move"]), (gap.gap, gap.low, gap.high), seeds,
+                 (printed[other], printed["move"]), f"{name}, MOVE")
 
 
 if __name__ == "__main__":
