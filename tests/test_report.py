@@ -10,7 +10,6 @@ import pandas as pd  # noqa: E402
 import pytest  # noqa: E402
 
 from move import (
-    paper,  # noqa: E402
     paths,  # noqa: E402
 )
 from move.report import page, plots, style, tables  # noqa: E402
@@ -90,7 +89,9 @@ def test_the_rate_table_counts_each_seed():
 
 
 def test_methods_always_have_the_same_three_colours():
-    table = tables.with_paper(tables.rate_table(episodes({"static": 0.2, "adc": 0.5, "move": 0.8}), ["method"]), {})
+    rates = tables.rate_table(episodes({"static": 0.2, "adc": 0.5, "move": 0.8}), ["method"])
+    table = tables.with_paper(rates, "fig1_sparse", on=["method"])
+    assert table.paper[[0, 2]].tolist() == [0.295, 0.808] and np.isnan(table.paper[1])
     _, ax = plt.subplots()
     plots.rates(table, ax)
     drawn = [matplotlib.colors.to_hex(bar.get_facecolor()).upper() for bar in ax.patches]
@@ -117,13 +118,6 @@ def test_a_saved_figure_is_the_same_file_every_time(tmp_path):
     assert written[0] == written[1]
 
 
-def test_the_papers_table_averages_to_the_papers_means():
-    means = paper.TABLE2_MAIN.mean()
-    for method, value in paper.TABLE2_MEAN.items():
-        assert means[method] == pytest.approx(value, abs=6e-4)
-    assert paper.TABLE2_MEAN["move"] / paper.TABLE2_MEAN["static"] - 1 == pytest.approx(0.761, abs=1e-3)
-
-
 def collector(method: str, outcomes: list[tuple[bool, int]]) -> results.Result:
     collection = Collection(task="hammer", method=method, timesteps=1)
     spec = RunSpec(task="hammer", seed=0, player="collector", collection=collection)
@@ -143,7 +137,8 @@ def test_table_5_is_the_papers_and_counts_demonstrations():
     costs = pd.DataFrame([{"task": name, "method": method, "expert": "phase", "mean_steps": 100.0}
                           for name in TASKS for method in ("static", "adc", "move")])
     table = tables.data_sizes(costs)
-    assert table.timesteps.tolist() == table.paper.tolist() == list(paper.TABLE5_DATA_SIZES.values())
+    assert table.timesteps.tolist() == table.paper.tolist()
+    assert table.paper[table.task == "Box-Close"].tolist() == [100_000]
     assert table["static demonstrations"].tolist() == [size / 100 for size in table.timesteps]
 
 
@@ -209,22 +204,30 @@ def three_methods(task: str, move: float) -> pd.DataFrame:
 
 
 def test_the_gap_table_names_the_winner_on_each_item_and_on_the_mean():
-    table = tables.gap_table(pd.concat([three_methods("a", 0.95), three_methods("b", 0.2)]), "task")
+    both = pd.concat([three_methods("a", 0.95), three_methods("b", 0.2)])
+    table, means = tables.gap_table(both, "task"), tables.gap_means(both, "task")
     assert list(zip(table.task, table.than, strict=True)) == [
-        ("a", "static"), ("a", "adc"), ("b", "static"), ("b", "adc"), ("mean of 2", "static"), ("mean of 2", "adc")]
-    above, _, _, below, mean, _ = table.itertuples()
+        ("a", "static"), ("a", "adc"), ("b", "static"), ("b", "adc")]
+    assert means.than.tolist() == ["static", "adc"] and means["items"].tolist() == [2, 2]
+    above, _, _, below = table.itertuples()
+    mean = means.iloc[0]
     assert above.low > 0 and below.high < 0
-    assert mean.gap == pytest.approx(table[table.than == "static"].gap[:2].mean())
+    assert mean.gap == pytest.approx(table[table.than == "static"].gap.mean())
     assert "above 0" in tables.spoken_gap(table.iloc[0]) and "below 0" in tables.spoken_gap(table.iloc[3])
-    spoken = tables.spoken_gaps(table, "task")
+    spoken = tables.spoken_gaps(table, means)
     assert "above static on 1 of 2" in spoken and "below it on 1" in spoken
+    assert f"on the mean {tables.spoken_gap(mean)}" in spoken
+    _, ax = plt.subplots()
+    plots.gaps(table, "task", ["a", "b"], ax, means)
+    assert [label.get_text() for label in ax.get_yticklabels()] == ["a", "b", "mean of 2"]
+    assert ax.containers[0].lines[0].get_xdata().tolist() == [*table[table.than == "static"].gap, mean.gap]
 
 
 def test_the_papers_gap_stands_beside_ours_on_the_same_items():
     both = pd.concat([three_methods("push", 0.9), three_methods("hammer", 0.9)])
     gaps = tables.gap_table(both, "task", ("static",))
-    table = tables.with_paper_gaps(gaps, "task", paper.TABLE2_MAIN)
-    assert table.paper.tolist() == pytest.approx([0.410 - 0.163, 0.309 - 0.156, (0.247 + 0.153) / 2])
+    table = tables.with_paper(gaps, "table2_main", on=["task", "than"], metric="gap")
+    assert table.paper.tolist() == pytest.approx([0.410 - 0.163, 0.309 - 0.156])
 
 
 def test_the_interval_of_the_mean_is_narrower_than_that_of_one_item():
@@ -239,7 +242,9 @@ def test_a_method_that_is_missing_leaves_no_gap():
     table = tables.gap_table(half[half.method != "adc"], "task")
     assert list(table.than) == ["static"]
     assert tables.gap_table(half[half.method == "adc"], "task").empty
-    assert tables.spoken_gaps(tables.gap_table(half[half.method == "adc"], "task"), "task") == "nothing is stored yet."
+    means = tables.gap_means(half, "task")
+    assert means.empty and tables.spoken_gaps(tables.gap_table(half[half.method == "adc"], "task"),
+                                              means) == "nothing is stored yet."
 
 
 def test_cells_are_inside_the_circle_by_their_centre():

@@ -89,12 +89,18 @@ def grouped_rates(table: pd.DataFrame, by: str, labels: list[str], ax: Axes) -> 
     ax.set(ylabel="success rate", ylim=(0, 1.02))
 
 
-def gaps(table: pd.DataFrame, by: str, labels: list[str], ax: Axes) -> None:
+def gaps(table: pd.DataFrame, by: str, labels: list[str], ax: Axes, means: pd.DataFrame | None = None) -> None:
     """Differences MOVE minus another method with intervals, 0 marked; a column `paper` as crosses.
 
     Args:
         table: as `move.report.tables.gap_table` gives it.
+        labels: what to call the values of `by`, in their order.
+        means: as `move.report.tables.gap_means` gives them: drawn below the last item.
     """
+    if means is not None and len(means):
+        names = [f"mean of {items}" for items in means["items"]]
+        table = pd.concat([table, means.drop(columns="items").assign(**{by: names})], ignore_index=True)
+        labels = [*labels, *dict.fromkeys(names)]
     values, others = list(table[by].unique()), list(table.than.unique())
     for place, other in enumerate(others):
         shift = (place - (len(others) - 1) / 2) * 0.3

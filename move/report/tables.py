@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 
 from move import paper
+from move.errors import BadInput
 from move.report.style import NAMES
 from move.sim.collect import METHODS
 from move.sim.configuration import Disc
@@ -38,11 +39,23 @@ def rate_table(episodes: pd.DataFrame, by: list[str]) -> pd.DataFrame:
 
 
 def gap_table(episodes: pd.DataFrame, by: str, others: tuple[str, ...] = ("static", "adc")) -> pd.DataFrame:
-    """MOVE minus each other method with a paired 95 % interval, one row a value of `by` and method; then the means.
+    """MOVE minus each other method with a paired 95 % interval, one row a value of `by` and method.
 
     Args:
         episodes: rows as `move.study.results.table` gives them, with the column `by`, policies only.
     """
+    return _gaps(episodes, by, others)[0]
+
+
+def gap_means(episodes: pd.DataFrame, by: str, others: tuple[str, ...] = ("static", "adc")) -> pd.DataFrame:
+    """The mean over the values of `by` of MOVE minus each other method, with its interval: than, items, gap, low, high.
+
+    A method that meets MOVE on fewer than two items has no row. Arguments as for `gap_table`.
+    """
+    return _gaps(episodes, by, others)[1]
+
+
+def _gaps(episodes: pd.DataFrame, by: str, others: tuple[str, ...]) -> tuple[pd.DataFrame, pd.DataFrame]:
     rng, rows, pairs = np.random.default_rng(0), [], {other: [] for other in others}
     for value, group in episodes.groupby(by, sort=False):
         per_method = {method: successes(part) for method, part in group.groupby("method")}
@@ -50,22 +63,33 @@ def gap_table(episodes: pd.DataFrame, by: str, others: tuple[str, ...] = ("stati
             if "move" in per_method and other in per_method:
                 pairs[other].append((per_method["move"], per_method[other]))
                 rows.append({by: value, "than": other, **_gap(difference(*pairs[other][-1], rng))})
-    rows += [{by: f"mean of {len(pairs[other])}", "than": other, **_gap(mean_difference(pairs[other], rng))}
+    means = [{"than": other, "items": len(pairs[other]), **_gap(mean_difference(pairs[other], rng))}
              for other in others if len(pairs[other]) > 1]
-    return pd.DataFrame(rows, columns=[by, "than", "gap", "low", "high"])
+    return (pd.DataFrame(rows, columns=[by, "than", "gap", "low", "high"]),
+            pd.DataFrame(means, columns=["than", "items", "gap", "low", "high"]))
 
 
-def with_paper_gaps(gaps: pd.DataFrame, by: str, published: pd.DataFrame) -> pd.DataFrame:
-    """A `gap_table` with a column `paper`: the paper's difference on each item, and their mean in the mean's row.
+def with_paper(table: pd.DataFrame, experiment: str, on: list[str], metric: str = "success", column: str = "paper",
+               **where: str) -> pd.DataFrame:
+    """`table` with the paper's value beside each row, NaN where the paper gives none.
 
     Args:
-        published: the paper's rates, one row a value of `by`, one column a method.
+        on: the columns of `table` that tell rows apart in the paper: its task, method or than; one column of another
+            name holds the paper's condition.
+        metric: as in `move.paper.PAPER`, or "gap" for MOVE's success minus that of the method in column `than`.
+        column: the name of the new column.
+        where: what else the paper's rows must be, such as condition="simulation".
+
+    Raises:
+        BadInput: the paper has no such value, or several for one row of `table`.
     """
-    differences = -published.sub(published.move, axis=0)
-    items = gaps[gaps[by].isin(published.index)]
-    means = {other: differences.loc[rows[by], other].mean() for other, rows in items.groupby("than")}
-    return gaps.assign(paper=[differences[other].get(item, means[other])
-                              for item, other in zip(gaps[by], gaps.than, strict=True)])
+    rows = paper.published(experiment, metric, **where)
+    names = {name if name in rows else "condition": name for name in on}
+    if len(names) < len(on) or rows.duplicated(list(names)).any():
+        raise BadInput(f"on: {on} given; allowed are columns that tell the paper's values of {experiment} apart, with "
+                       "at most one for its condition")
+    values = rows.rename(columns=names).set_index(on).value.rename(column)
+    return table.join(values, on=on)
 
 
 def _gap(values: tuple[float, float, float]) -> dict[str, float]:
@@ -78,13 +102,11 @@ def spoken_gap(row: pd.Series) -> str:
     return f"{100 * row.gap:+.0f} points [{100 * row.low:+.0f}, {100 * row.high:+.0f}], {verdict}"
 
 
-def spoken_gaps(table: pd.DataFrame, by: str) -> str:
-    """A whole `gap_table` in words: on how many items MOVE is above each other method, and by how much on the mean."""
+def spoken_gaps(table: pd.DataFrame, means: pd.DataFrame) -> str:
+    """A `gap_table` and its `gap_means` in words: on how many items MOVE is above each other method, and the mean."""
     sentences = []
-    for other, rows in table.groupby("than", sort=False):
-        is_mean = rows[by].str.startswith("mean of")
-        each, mean = rows[~is_mean], rows[is_mean]
-        above, below = (each.low > 0).sum(), (each.high < 0).sum()
+    for other, each in table.groupby("than", sort=False):
+        above, below, mean = (each.low > 0).sum(), (each.high < 0).sum(), means[means.than == other]
         sentences.append(
             f"MOVE is above {NAMES[other]} on {above} of {len(each)}, below it on {below}, and not distinguishable on "
             f"{len(each) - above - below}" + (f"; on the mean {spoken_gap(mean.iloc[0])}" if len(mean) else "") + "."
@@ -122,11 +144,6 @@ def run_costs(results: list[Result]) -> pd.DataFrame:
     ])
     groups = rows.groupby(["timesteps", "method"], sort=False)
     return groups.median().round(1).assign(runs=groups.size(), all_runs=groups.whole.sum().round(0)).reset_index()
-
-
-def with_paper(table: pd.DataFrame, values: dict[str, float]) -> pd.DataFrame:
-    """`table` with a column `paper`: the paper's value for each method, NaN where it has none."""
-    return table.assign(paper=table.method.map(values))
 
 
 def recipe_table(results: list[Result], profile: str) -> pd.DataFrame:
@@ -224,11 +241,11 @@ def data_sizes(costs: pd.DataFrame) -> pd.DataFrame:
         costs: as `collection_costs` gives them.
     """
     steps = costs[costs.expert == "phase"].pivot(index="task", columns="method", values="mean_steps")
-    return pd.DataFrame([
-        {"task": task.title, "timesteps": task.timesteps, "paper": paper.TABLE5_DATA_SIZES[name],
-         **{f"{method} demonstrations": round(task.timesteps / steps.loc[name, method]) for method in METHODS}}
-        for name, task in TASKS.items()
-    ])
+    sizes = pd.DataFrame([{"task": name, "timesteps": task.timesteps} for name, task in TASKS.items()])
+    sizes = with_paper(sizes, "table5_data_sizes", ["task"], "timesteps").astype({"paper": int})
+    return sizes.assign(task=[TASKS[name].title for name in sizes.task], **{
+        f"{method} demonstrations": [round(row.timesteps / steps.loc[row.task, method]) for row in sizes.itertuples()]
+        for method in METHODS})
 
 
 def kept_shares(rng: np.random.Generator, configurations: int = 1000) -> pd.DataFrame:

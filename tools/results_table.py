@@ -1,0 +1,95 @@
+"""Writes README's table of results, between its markers, from the figures' own tables: `python tools/results_table.py`.
+
+The verdict of a row is a rule on two numbers and an interval (`verdict`); nobody words it.
+"""
+
+from __future__ import annotations
+
+import ast
+
+import pandas as pd
+
+from move import paper, paths
+
+START, END = "<!-- results: written by tools/results_table.py -->", "<!-- end of results -->"
+README = paths.ROOT / "README.md"
+
+
+def verdict(gap: float, low: float, high: float, published: float) -> str:
+    """What a difference with its 95 % interval says about the paper's: its direction first, then its size."""
+    if low <= 0 <= high:
+        return "no difference shown, nor the paper's excluded" if low <= published <= high else "not found here"
+    if (gap > 0) != (published > 0):
+        return "opposite direction"
+    if low <= published <= high:
+        return "direction and size as in the paper"
+    return f"direction as in the paper, size {'smaller' if abs(gap) < abs(published) else 'larger'}"
+
+
+def rows() -> list[str]:
+    """The lines of the table's body: what, ours, the difference with its interval, seeds, the paper's, the verdict."""
+    return [
+        _gap("Figure 1, nine grasp points", "fig1_sparse", "fig1_sparse_gap"),
+        _gap("Figure 3, grasp points everywhere", "fig3_dense", "fig3_dense_gap"),
+        _gap("Figure 5, inside the circle", "fig5_circle", "fig5_circle_gaps", "inside"),
+        _gap("Figure 5, outside the circle", "fig5_circle", "fig5_circle_gaps", "outside"),
+        _factors(), _tasks("static"), _tasks("adc"),
+    ]
+
+
+def table() -> str:
+    """The whole table in Markdown."""
+    head = "| | success here | difference, 95 % | seeds | the paper | verdict |\n|---|---|---|---|---|---|\n"
+    return head + "\n".join(rows()) + "\n"
+
+
+def with_table(text: str) -> str:
+    """`text` with what stands between the two markers replaced by the table."""
+    before, rest = text.split(START)
+    return f"{before}{START}\n{table()}{END}{rest.split(END)[1]}"
+
+
+def _read(name: str) -> pd.DataFrame:
+    return pd.read_csv(paths.figures("laptop") / f"{name}.csv")
+
+
+def _line(what: str, ours: tuple[float, float], gap: tuple[float, float, float], seeds: int,
+          published: tuple[float, float], names: str) -> str:
+    points = "{:+.0f} [{:+.0f}, {:+.0f}]".format(*(100 * value for value in gap))
+    theirs = published[1] - published[0]
+    return (f"| {what}: {names} | {ours[0]:.2f}, {ours[1]:.2f} | {points} points | {seeds} | {published[0]:.3f}, "
+            f"{published[1]:.3f} ({100 * theirs:+.0f}) | {verdict(*gap, theirs)} |")
+
+
+def _gap(what: str, rates: str, gaps: str, where: str = "") -> str:
+    ours, gap = _read(rates), _read(gaps)
+    if where:
+        ours, gap = ours[ours["where"] == where], gap[gap["where"] == where]
+    ours, gap = ours.set_index("method"), gap[gap.than == "static"].iloc[0]
+    printed = paper.published(rates, condition=where).set_index("method").value
+    return _line(what, (ours.value["static"], ours.value["move"]), (gap.gap, gap.low, gap.high),
+                 len(ast.literal_eval(ours.seeds["move"])), (printed["static"], printed["move"]), "static, MOVE")
+
+
+def _factors() -> str:
+    """Static with one factor and with all: the interval is the widest that the two rates' own ends allow."""
+    ours = _read("table1_spatial_factors").query("method == 'static'").set_index("factors")
+    one, every = ours.loc["object"], ours.loc["all"]
+    printed = paper.published("table1_spatial_factors").set_index("condition").value
+    gap = every.value - one.value, every.low - one.high, every.high - one.low
+    return _line("Table 1", (one.value, every.value), gap, len(ast.literal_eval(every.seeds)),
+                 (printed["object"], printed["all"]), "static, the object random and everything random")
+
+
+def _tasks(other: str) -> str:
+    rates, gap = _read("table2_main_rates"), _read("table2_main_gaps_mean").set_index("than").loc[other]
+    ours, name = rates.groupby("method").value.mean(), "ADC" if other == "adc" else other
+    printed = paper.published("table2_main", "mean_success").set_index("method").value
+    seeds = rates.seeds.map(ast.literal_eval).map(len).max()
+    what = f"Table 2, mean of {gap['items']:.0f} tasks"
+    return _line(what, (ours[other], ours["move"]), (gap.gap, gap.low, gap.high), seeds,
+                 (printed[other], printed["move"]), f"{name}, MOVE")
+
+
+if __name__ == "__main__":
+    README.write_text(with_table(README.read_text()))
