@@ -165,8 +165,8 @@ def test_kept_shares_name_the_tasks_with_a_limited_reach():
 # differences ---------------------------------------------------------------------------------------------------------
 
 
-def test_the_gap_is_what_a_policy_loses_away_from_where_it_learnt():
-    outcomes = {("static", "own"): [1, 1, 1, 0], ("static", "random"): [1, 0, 0, 0], ("move", "random"): [1, 1, 0, 0]}
+def test_the_gap_is_what_a_policy_loses_away_from_its_own_grasps():
+    outcomes = {("static", "grasp"): [1, 1, 1, 0], ("static", "random"): [1, 0, 0, 0], ("move", "random"): [1, 1, 0, 0]}
     episodes = pd.DataFrame([{"task": "push", "method": method, "group": group, "seed": 0, "trial": trial,
                               "success": success}
                              for (method, group), successes in outcomes.items()

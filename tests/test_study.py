@@ -310,7 +310,7 @@ def test_the_plan_counts_what_is_missing():
 def test_the_plan_counts_a_shared_training_once(tmp_path, monkeypatch):
     monkeypatch.setattr("move.study.plan.results", lambda profile: tmp_path)
     table_2 = [spec for spec in experiments.specs("table2_main", "laptop") if spec.observation == "rgb"]
-    rows = plan_rows("laptop", {"table 2": table_2, "gap": experiments.specs("generalization_gap", "laptop")})
+    rows = plan_rows("laptop", {"table 2": table_2, "gap": experiments.generalization()})
     minutes = load_profile("laptop").minutes["rgb"]
     assert rows[0]["hours_left"] == pytest.approx(30 * minutes / 60, abs=0.01)
     assert rows[1]["missing"] == 60 and rows[1]["hours_left"] == pytest.approx(30 * TRIAL_MINUTES / 60, abs=0.01)
@@ -443,14 +443,16 @@ def test_the_recipe_that_is_judged_is_the_one_of_the_figures():
             assert spec.training == chosen[spec.collection.timesteps]
 
 
-def test_the_generalization_gap_tries_the_policies_of_table_2_where_they_learnt():
-    specs = experiments.specs("generalization_gap", "laptop")
+def test_generalization_tries_the_policies_of_table_2_at_their_own_grasps():
+    specs = experiments.generalization()
     elsewhere, own = specs[: len(specs) // 2], specs[len(specs) // 2 :]
     table_2 = [spec for spec in experiments.specs("table2_main", "laptop") if spec.observation == "rgb"]
     assert {spec.hash for spec in elsewhere} == {spec.hash for spec in table_2} == {spec.policy_hash for spec in own}
-    assert {spec.evaluation.layout for spec in own} == {"own"}
+    assert {spec.evaluation.layout for spec in own} == {"grasp"}
     for spec in own:
         assert spec.evaluation.episodes <= max(1, spec.collection.timesteps // EPISODE_STEPS)
+    some = experiments.generalization(tasks=("push",), methods=("move",), seeds=(2,))
+    assert [(spec.task, spec.method, spec.seed) for spec in some] == [("push", "move", 2)] * 2
 
 
 @pytest.mark.parametrize(("figure", "protocol", "points"), [
@@ -468,7 +470,7 @@ def test_a_profile_leaves_the_notebooks_out_that_have_nothing_to_show_in_it():
     assert set(notebooks.of_profile("laptop")) == set(notebooks.names())
     assert set(notebooks.names()) - set(notebooks.of_profile("paper")) == {"table_recipe"}
     left_out = set(notebooks.names()) - set(notebooks.of_profile("laptop-keypoints"))
-    assert left_out == {"table_recipe", "generalization_gap"}
+    assert left_out == {"table_recipe", "generalization"}
     with pytest.raises(BadInput, match="profile paper: has no runs of this figure"):
         page.gather([], "paper")
 

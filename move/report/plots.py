@@ -169,19 +169,19 @@ def task_rates(table: pd.DataFrame, controls: pd.DataFrame, ax: Axes) -> None:
 
 
 def own_and_elsewhere(table: pd.DataFrame, ax: Axes) -> None:
-    """One group for each task: a policy's rate where it learnt (hollow) joined to its rate elsewhere (filled).
+    """One group for each task: a policy's rate at its own grasps (hollow) joined to its rate elsewhere (filled).
 
     Args:
-        table: task, method, group ("own" or "random"), value, low, high; either group may be missing.
+        table: task, method, group ("grasp" or "random"), value, low, high; either group may be missing.
     """
     tasks, methods = list(table.task.unique()), [name for name in COLOURS if name in set(table.method)]
     shifts = dict(zip(methods, np.linspace(-0.24, 0.24, len(methods)) * (len(methods) > 1), strict=True))
-    aside = {"own": -0.05, "random": 0.05}
+    aside = {"grasp": -0.05, "random": 0.05}
     for (task, method), rows in table.groupby(["task", "method"], sort=False):
         place = tasks.index(task) + shifts[method]
         ax.plot([place + aside[group] for group in rows.group], rows.value, color=COLOURS[method], lw=2, alpha=0.35)
         for row in rows.itertuples():
-            filling, where = ("white", "where it learnt") if row.group == "own" else (COLOURS[method], "elsewhere")
+            filling, where = ("white", "at its own grasps") if row.group == "grasp" else (COLOURS[method], "elsewhere")
             ax.errorbar(place + aside[row.group], row.value, [[row.value - row.low], [row.high - row.value]], fmt="o",
                         ms=3.5, lw=0.8, capsize=1.5, color=COLOURS[method], mfc=filling,
                         label=f"{NAMES[method]}, {where}" if task == tasks[0] else None)
