@@ -1,0 +1,138 @@
+"""Every plot draws each method in its own colour, under its own name, at the numbers it was given."""
+
+import matplotlib
+
+matplotlib.use("Agg")
+
+import matplotlib.pyplot as plt  # noqa: E402
+import numpy as np  # noqa: E402
+import pandas as pd  # noqa: E402
+import pytest  # noqa: E402
+from matplotlib.colors import to_hex  # noqa: E402
+
+from move.report import plots  # noqa: E402
+
+COLOUR = {"static": "#0072b2", "adc": "#e69f00", "move": "#d55e00"}  # Okabe and Ito: blue, orange, vermillion
+NAME = {"static": "static", "adc": "ADC", "move": "MOVE"}
+VALUE = {"static": 0.2, "adc": 0.5, "move": 0.8}
+METHODS = list(VALUE)
+
+
+def rows(**columns) -> pd.DataFrame:
+    """One row a method, with its own value."""
+    return pd.DataFrame([{"method": method, "value": value, "low": value - 0.1, "high": value + 0.1, "paper": value / 2,
+                          "seeds": [value], **columns} for method, value in VALUE.items()])
+
+
+def draw(plot, *arguments) -> plt.Axes:
+    _, ax = plt.subplots()
+    plot(*arguments, ax)
+    return ax
+
+
+def labelled(ax: plt.Axes) -> dict[str, tuple[str, float]]:
+    """Label -> colour and height of what the legend shows under it."""
+    found = {}
+    for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
+        mark = handle[0]
+        height = mark.get_height() if hasattr(mark, "get_height") else mark.get_ydata()[0]
+        colour = mark.get_facecolor() if hasattr(mark, "get_facecolor") else mark.get_color()
+        found[label] = (to_hex(colour), float(height))
+    return found
+
+
+def test_rates_are_bars_in_the_methods_colours_over_their_names():
+    ax = draw(plots.rates, rows())
+    assert [(to_hex(bar.get_facecolor()), bar.get_height()) for bar in ax.patches] == [
+        (COLOUR[name], VALUE[name]) for name in METHODS]
+    assert [label.get_text() for label in ax.get_xticklabels()] == [NAME[name] for name in METHODS]
+    dotted = [line.get_ydata()[0] for line in ax.get_lines() if line.get_linestyle() == ":"]
+    assert dotted == [value / 2 for value in VALUE.values()]
+
+
+def test_grouped_rates_name_each_bar_by_its_method():
+    ax = draw(plots.grouped_rates, rows(where="here"), "where", ["here"])
+    assert labelled(ax) == {NAME[name]: (COLOUR[name], VALUE[name]) for name in METHODS}
+
+
+def test_gaps_are_drawn_in_the_colour_and_under_the_name_of_the_other_method():
+    table = pd.DataFrame([{"task": "push", "than": other, "gap": gap, "low": gap - 0.1, "high": gap + 0.1, "paper": 0.4}
+                          for other, gap in (("static", 0.6), ("adc", 0.3))])
+    ax = draw(plots.gaps, table, "task", ["Push"])
+    drawn = {container.get_label(): (to_hex(container[0].get_color()), container[0].get_xdata()[0])
+             for container in ax.containers}
+    assert drawn == {"MOVE - static": (COLOUR["static"], 0.6), "MOVE - ADC": (COLOUR["adc"], 0.3)}
+
+
+def test_scaling_draws_each_methods_line_through_its_points():
+    table = pd.concat([rows(timesteps=timesteps) for timesteps in (100, 200)])
+    ax = draw(plots.scaling, table)
+    for line in ax.get_lines():
+        (method,) = (name for name in METHODS if NAME[name] == line.get_label())
+        assert to_hex(line.get_color()) == COLOUR[method] and set(line.get_ydata()) == {VALUE[method]}
+    assert len(ax.get_lines()) == len(ax.collections) == 3
+
+
+def test_task_rates_stand_under_their_tasks_between_floor_and_ceiling():
+    controls = pd.DataFrame({"expert": [1.0], "goal-blind": [0.3]}, index=["push"])
+    ax = draw(plots.task_rates, rows(task="push"), controls)
+    place = [label.get_text() for label in ax.get_xticklabels()].index("Push")
+    drawn = {container.get_label(): (to_hex(container[0].get_color()), container[0].get_ydata()[place])
+             for container in ax.containers}
+    assert drawn == {NAME[name]: (COLOUR[name], VALUE[name]) for name in METHODS}
+    levels = {lines.get_label(): lines.get_segments()[place][0][1] for lines in ax.collections
+              if not lines.get_label().startswith("_")}
+    assert levels == {"expert": 1.0, "goal-blind expert": 0.3}
+
+
+def test_a_rate_at_its_own_grasps_is_hollow_and_one_elsewhere_filled():
+    own = rows(task="push", group="grasp")
+    elsewhere = rows(task="push", group="random")
+    elsewhere[["value", "low"]] /= 2
+    ax = draw(plots.own_and_elsewhere, pd.concat([own, elsewhere]))
+    for container in ax.containers:
+        mark = container[0]
+        name, where = container.get_label().split(", ")
+        (method,) = (key for key in METHODS if NAME[key] == name)
+        hollow = where == "at its own grasps"
+        assert hollow or where == "elsewhere"
+        assert to_hex(mark.get_color()) == COLOUR[method]
+        assert mark.get_ydata()[0] == pytest.approx(VALUE[method] if hollow else VALUE[method] / 2)
+        assert to_hex(mark.get_markerfacecolor()) == ("#ffffff" if hollow else COLOUR[method])
+    assert len(ax.containers) == 6
+
+
+def test_changes_stand_at_their_rates_beside_their_names():
+    table = pd.DataFrame([{"change": name, "value": value, "low": value - 0.1, "high": value + 0.1,
+                           "train_minutes": 2.0} for name, value in (("chosen", 0.9), ("32 channels", 0.7))])
+    ax = draw(plots.changes, table)
+    assert [label.get_text() for label in ax.get_yticklabels()] == ["chosen, 2.0 min", "32 channels, 2.0 min"]
+    assert [(container[0].get_xdata()[0], container[0].get_ydata()[0]) for container in ax.containers] == [
+        (0.9, 0), (0.7, 1)]
+
+
+def test_costs_are_means_over_tasks_in_the_methods_colours_with_students_interval():
+    table = pd.DataFrame([{"task": task, "method": method, "expert": expert, "mean_steps": 100 * VALUE[method] + task}
+                          for method in METHODS for expert in ("phase", "metaworld") for task in (-1, 0, 1)])
+    ax = draw(plots.costs, table, "mean_steps", {"static": 33.0})
+    drawn = [(to_hex(bar.get_facecolor()), bar.get_height()) for bar in ax.patches]
+    assert drawn == [(COLOUR[name], pytest.approx(100 * VALUE[name])) for name in METHODS for _ in range(2)]
+    low, high = ax.containers[1][2][0].get_segments()[0][:, 1]
+    assert (high - low) / 2 == pytest.approx(4.303 / np.sqrt(3), abs=1e-3)  # t of 2 degrees of freedom, deviation 1
+    assert [label.get_text() for label in ax.get_xticklabels()] == [NAME[name] for name in METHODS]
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_coverage_is_drawn_where_the_object_was(method):
+    seen = pd.DataFrame({"method": method, "object_x": [0.1, 0.2], "object_y": [0.6, 0.7]})
+    ax = draw(plots.coverage, seen, "object", (0.0, 0.5, 0.0), (0.3, 0.8, 0.0))
+    (dots,) = ax.get_lines()
+    assert to_hex(dots.get_color()) == COLOUR[method] and dots.get_xdata() == pytest.approx([10, 20])
+
+
+def test_every_plot_of_methods_stands_in_this_file():
+    """What is left out draws no method: heat maps, dots, outlines, levels and frames."""
+    public = {name for name, plot in vars(plots).items()
+              if getattr(plot, "__module__", "") == plots.__name__ and not name.startswith("_")}
+    assert public == {"rates", "grouped_rates", "gaps", "scaling", "task_rates", "own_and_elsewhere", "changes",
+                      "costs", "coverage"} | {"heatmap", "grasps", "circle", "level", "picture"}
