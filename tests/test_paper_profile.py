@@ -85,7 +85,7 @@ def test_the_recipe_is_the_papers():
 
 def test_the_plan_turns_a_measured_step_into_hours(monkeypatch):
     monkeypatch.setattr(plan, "step_seconds", lambda training, demonstrations: 0.5)
-    specs = [spec for spec in experiments.specs("fig1_sparse", "paper")]
+    specs = [spec for spec in experiments.specs("fig1_sparse", "paper") if spec.collection.hand_spread == 0]
     (row,) = plan.plan_rows("paper", {"fig1_sparse": specs})
     assert row["missing"] == 6 and row["hours_left"] == pytest.approx(6 * 220_000 * 0.5 / 3600, abs=0.01)
     assert ("GPU-hours" if torch.cuda.is_available() else "no GPU here") in plan.plan_title("paper")

@@ -462,8 +462,17 @@ def test_the_preliminary_figures_follow_the_papers_protocol(figure, protocol, po
     assert {spec.collection.protocol for spec in specs} == {protocol}
     assert {(spec.evaluation.grid_side, spec.evaluation.points) for spec in specs} == {(12, points)}
     assert len({spec.seed for spec in specs}) >= 3 and {spec.method for spec in specs} == {"static", "move"}
-    assert len({spec.collection.timesteps for spec in specs}) == 1
     assert {spec.observation for spec in specs} == {"rgb"}
+
+
+@pytest.mark.parametrize("figure", ["fig1_sparse", "fig3_dense", "fig5_circle"])
+def test_each_method_has_the_same_budgets_seeds_and_hand_starts(figure):
+    def design(method):
+        return {(spec.collection.timesteps, spec.seed, spec.collection.hand_spread)
+                for spec in experiments.specs(figure, "laptop") if spec.method == method}
+
+    assert design("static") == design("move")
+    assert {spread for *_, spread in design("move")} == {experiments.HAND_SPREAD, 0.0}
 
 
 def test_a_profile_leaves_the_notebooks_out_that_have_nothing_to_show_in_it():

@@ -114,6 +114,15 @@ def spoken_gaps(table: pd.DataFrame, means: pd.DataFrame) -> str:
     return " ".join(sentences) or "nothing is stored yet."
 
 
+def by_hand_start(episodes: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """The episodes of policies whose demonstrations start with the hand elsewhere each time, and of the others.
+
+    They are never pooled: where the hand starts in one place, static demonstrations of a point are all the same.
+    """
+    apart = episodes.hand_spread > 0
+    return episodes[apart], episodes[~apart]
+
+
 def inside_and_outside(episodes: pd.DataFrame, disc: Disc) -> pd.DataFrame:
     """The grid's episodes with a column `where`: "inside" or "outside" of `disc`, by the object's place."""
     grid = episodes[episodes.group == "grid"]

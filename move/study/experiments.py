@@ -40,38 +40,56 @@ def checked(experiment: Callable[..., list[RunSpec]]) -> Callable[..., list[RunS
 Count = Annotated[int, Field(gt=0, strict=True)]
 Multiple = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 Seeds = Annotated[int, Field(ge=0, strict=True)]
+HAND_SPREAD = 0.03  # metres; how far to each side the hand starts in the demonstrations of figures 1, 3 and 5
 Observation = Literal["rgb", "keypoints"]
 
 
 @checked
 def fig1_sparse(
-    profile: str = "laptop", observation: Observation = "rgb", timesteps: Count = 7000, seeds: Count = 3,
-    grid_side: Count = 12,
+    profile: str = "laptop", observation: Observation = "rgb", timesteps: Count = 7000, seeds: Count = 5,
+    identical_starts: Seeds = 3, grid_side: Count = 12,
 ) -> list[RunSpec]:
-    """Nine grasp points, static against MOVE, equal timesteps; a grid over the 30 x 30 cm object space (figure 1)."""
-    return _grasp_points("sparse", profile, observation, timesteps, seeds, grid_side)
+    """Nine grasp points, static against MOVE, equal timesteps; a grid over the 30 x 30 cm object space (figure 1).
+
+    Each demonstration starts with the hand a few centimetres elsewhere; the first `identical_starts` seeds are there
+    once more with the hand always in one place, where static demonstrations of a point are all the same.
+    """
+    return _with_identical_starts("sparse", profile, observation, timesteps, seeds, identical_starts, grid_side)
 
 
 @checked
 def fig3_dense(
-    profile: str = "laptop", observation: Observation = "rgb", timesteps: Count = 7000, seeds: Count = 3,
-    grid_side: Count = 12,
+    profile: str = "laptop", observation: Observation = "rgb", timesteps: tuple[Count, ...] = (7000, 3500, 2000),
+    seeds: Count = 3, identical_starts: Seeds = 3, grid_side: Count = 12,
 ) -> list[RunSpec]:
-    """Grasp points anywhere, the same for static and MOVE, equal timesteps; a grid over the object space (figure 3)."""
-    return _grasp_points("dense", profile, observation, timesteps, seeds, grid_side)
+    """Grasp points anywhere, the same for static and MOVE, equal timesteps; a grid over the object space (figure 3).
+
+    At each budget of `timesteps`; with the hand always in one place, as in figure 1, at the first alone.
+    """
+    first, *less = timesteps
+    return [*_with_identical_starts("dense", profile, observation, first, seeds, identical_starts, grid_side),
+            *(spec for budget in less
+              for spec in _grasp_points("dense", profile, observation, budget, seeds, grid_side, HAND_SPREAD))]
 
 
 @checked
 def fig5_circle(
-    profile: str = "laptop", observation: Observation = "rgb", timesteps: Count = 7000, seeds: Count = 3,
-    grid_side: Count = 12,
+    profile: str = "laptop", observation: Observation = "rgb", timesteps: Count = 7000, seeds: Count = 5,
+    identical_starts: Seeds = 3, grid_side: Count = 12,
 ) -> list[RunSpec]:
     """Twenty grasp points on a circle, motion inside it; a grid over the object space, in and out (figure 5)."""
-    return _grasp_points("circle", profile, observation, timesteps, seeds, grid_side)
+    return _with_identical_starts("circle", profile, observation, timesteps, seeds, identical_starts, grid_side)
+
+
+def _with_identical_starts(
+    protocol: str, profile: str, observation: str, timesteps: int, seeds: int, identical_starts: int, grid_side: int
+) -> list[RunSpec]:
+    return [*_grasp_points(protocol, profile, observation, timesteps, seeds, grid_side, HAND_SPREAD),
+            *_grasp_points(protocol, profile, observation, timesteps, identical_starts, grid_side, 0.0)]
 
 
 def _grasp_points(
-    protocol: str, profile: str, observation: str, timesteps: int, seeds: int, grid_side: int
+    protocol: str, profile: str, observation: str, timesteps: int, seeds: int, grid_side: int, hand_spread: float
 ) -> list[RunSpec]:
     settings = load_profile(profile)
     points = "none" if protocol == "dense" else protocol  # dense: every demonstration has a point of its own
@@ -79,7 +97,8 @@ def _grasp_points(
         RunSpec(
             task="pick-place", seed=seed, training=settings.recipe(observation, timesteps),
             collection=Collection(task="pick-place", method=method, timesteps=timesteps, observation=observation,
-                                  image_size=settings.image_size, factors="object", protocol=protocol),
+                                  image_size=settings.image_size, factors="object", protocol=protocol,
+                                  hand_spread=hand_spread),
             evaluation=Evaluation(layout="grid", grid_side=grid_side, factors="object", points=points),
         )
         for seed in range(seeds)

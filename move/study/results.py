@@ -129,6 +129,7 @@ def table(results: list[Result]) -> pd.DataFrame:
             observation=result.spec.observation,
             timesteps=result.spec.collection.timesteps if result.spec.collection else 0,
             factors=result.spec.evaluation.factors,
+            hand_spread=result.spec.collection.hand_spread if result.spec.collection else 0.0,
             seed=result.spec.seed,
         )
         for result in results
