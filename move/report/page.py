@@ -11,10 +11,13 @@ from matplotlib.figure import Figure
 from move import paths
 from move.errors import BadInput
 from move.report import style
+from move.report.tables import training_noise
 from move.study.execute import execute
+from move.study.experiments import table2_main, table_keypoint_control
 from move.study.profiles import load_profile
 from move.study.results import Result, split, table
 from move.study.spec import RunSpec
+from move.study.statistics import UNKNOWN, TrainingNoise
 
 
 @dataclass(frozen=True)
@@ -44,20 +47,31 @@ class Gathered:
         return "; ".join(parts) + f". {load_profile(self.profile).purpose}"
 
 
-def gather(specs: list[RunSpec], profile: str) -> Gathered:
-    """Compute what is missing of `specs`, unless MOVE_STORED_ONLY is set, and return all there is.
+def gather(runs: list[RunSpec], profile: str) -> Gathered:
+    """Compute what is missing of `runs`, unless MOVE_STORED_ONLY is set, and return all there is.
 
     Raises:
         BadInput: there is nothing at all to draw; the message says why.
     """
-    if not specs:
+    if not runs:
         raise BadInput(f"profile {profile}: has no runs of this figure; allowed is another profile")
     style.use_style()
     stored_only = os.environ.get("MOVE_STORED_ONLY") == "1"
-    there, missing = (split if stored_only else execute)(specs, paths.results(profile))
+    there, missing = (split if stored_only else execute)(runs, paths.results(profile))
     if not there:
-        raise BadInput(f"none of the {len(specs)} runs of this figure is stored; the first one: {missing[0][1]}")
+        raise BadInput(f"none of the {len(runs)} runs of this figure is stored; the first one: {missing[0][1]}")
     return Gathered(profile, there, table(there), missing)
+
+
+def known_noise(profile: str, observation: str) -> TrainingNoise:
+    """How much a rate varies from training to training, from the profile's stored runs with everything random.
+
+    For a cell that has fewer than three seeds itself: from pixels all seeds of table 2 that are stored, from keypoints
+    those of its control at the smaller budget. Nothing is known where no cell has two.
+    """
+    runs = table2_main(profile, seeds=3, control_seeds=0) if observation == "rgb" else table_keypoint_control(profile)
+    episodes = table(split([run for run in runs if run.training], paths.results(profile))[0])
+    return training_noise(episodes, ["task", "method", "timesteps", "jumping"]) if len(episodes) else UNKNOWN
 
 
 def publish(name: str, figure: Figure | None, tables: dict[str, pd.DataFrame], gathered: Gathered) -> None:

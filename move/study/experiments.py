@@ -17,6 +17,7 @@ from move.errors import BadInput
 from move.learn.evaluate import Evaluation
 from move.sim.collect import METHODS, Collection
 from move.sim.experts.phase import EXPERTS
+from move.sim.motion.adc import JUMPS, MENDED, Jumping
 from move.sim.scene.scene import EPISODE_STEPS
 from move.sim.tasks import FACTORS, TASKS, get_task
 from move.study.profiles import first_problem, load_profile
@@ -40,6 +41,7 @@ def checked(experiment: Callable[..., list[RunSpec]]) -> Callable[..., list[RunS
 Count = Annotated[int, Field(gt=0, strict=True)]
 Multiple = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 Seeds = Annotated[int, Field(ge=0, strict=True)]
+ADC = MENDED  # how ADC jumps wherever it is compared: the stronger of those in table_adc
 HAND_SPREAD = 0.03  # metres; how far to each side the hand starts in the demonstrations of figures 1, 3 and 5
 Observation = Literal["rgb", "keypoints"]
 
@@ -225,8 +227,12 @@ def _policy(
     return RunSpec(
         task=task, seed=seed, training=settings.recipe(observation, timesteps), evaluation=evaluation,
         collection=Collection(task=task, method=method, timesteps=timesteps, observation=observation,
-                              image_size=settings.image_size, factors=evaluation.factors),
+                              image_size=settings.image_size, factors=evaluation.factors, jumping=_jumping(method)),
     )
+
+
+def _jumping(method: str) -> Jumping:
+    return ADC if method == "adc" else Jumping()
 
 
 @checked
@@ -239,7 +245,7 @@ def keypoint_control(
     policies = [
         RunSpec(
             task="pick-place", seed=seed, training=settings.recipe("keypoints", budget), evaluation=evaluation,
-            collection=Collection(task="pick-place", method=method, timesteps=budget),
+            collection=Collection(task="pick-place", method=method, timesteps=budget, jumping=_jumping(method)),
         )
         for budget in timesteps
         for method in METHODS
@@ -254,7 +260,7 @@ def table6_collection(profile: str = "laptop", attempts: Count = 100) -> list[Ru
     load_profile(profile)
     return [
         RunSpec(task=task, seed=0, player="collector", evaluation=Evaluation(episodes=attempts),
-                collection=Collection(task=task, method=method, timesteps=1, expert=expert))
+                collection=Collection(task=task, method=method, timesteps=1, expert=expert, jumping=_jumping(method)))
         for expert in EXPERTS
         for task in TASKS
         for method in METHODS
@@ -273,13 +279,55 @@ def table_keypoint_control(
     settings, evaluation = load_profile(profile), Evaluation(episodes=episodes)
     policies = [
         RunSpec(task=task, seed=seed, training=settings.recipe("keypoints", budget), evaluation=evaluation,
-                collection=Collection(task=get_task(task).name, method=method, timesteps=budget))
+                collection=Collection(task=get_task(task).name, method=method, timesteps=budget,
+                                      jumping=_jumping(method)))
         for seed in range(seeds)
         for budget, tasks in ((timesteps, TASKS), (larger, larger_tasks))
         for task in tasks
         for method in METHODS
     ]
     return policies + [spec for task in TASKS for spec in controls(task, evaluation)]
+
+
+@checked
+def table_adc(
+    profile: str = "laptop", pixel_tasks: tuple[str, ...] = tuple(TASKS), tasks: tuple[str, ...] = tuple(TASKS),
+    periodic_tasks: tuple[str, ...] = ("pick-place", "window-open"), timesteps: Count = 2500, seeds: Count = 3,
+    episodes: Count = 100, most_timesteps: Count = 20_000,
+) -> list[RunSpec]:
+    """Which reading of ADC is the stronger baseline: one seed from pixels at table 2's budget, `seeds` from keypoints.
+
+    Jumps twice a phase are tried on `periodic_tasks` from keypoints, and on the first of them from pixels.
+    """
+    evaluation, runs = Evaluation(episodes=episodes), []
+    for name, jumping in JUMPS.items():
+        few = name == "periodic"
+        seen = [task for task in pixel_tasks if not few or task in periodic_tasks[:1]]
+        given = [task for task in tasks if not few or task in periodic_tasks]
+        cells = [("rgb", task, min(get_task(task).timesteps, most_timesteps), 0) for task in seen]
+        cells += [("keypoints", task, timesteps, seed) for task in given for seed in range(seeds)]
+        for observation, task, budget, seed in cells:
+            run = _policy(get_task(task).name, "adc", seed, profile, observation, budget, evaluation)
+            runs.append(run.model_copy(update={"collection": run.collection.model_copy(update={"jumping": jumping})}))
+    return runs
+
+
+@checked
+def fig_training_length(
+    profile: str = "laptop", tasks: tuple[str, ...] = ("pick-place", "push", "window-open"),
+    lengths: tuple[Multiple, ...] = (1 / 3, 1, 3), seeds: Count = 2, episodes: Count = 100,
+    most_timesteps: Count = 20_000,
+) -> list[RunSpec]:
+    """Does MOVE minus static depend on how long one trains? The recipe's gradient steps times each of `lengths`.
+
+    Policies of table 2, from pixels; nothing is chosen by the answer.
+    """
+    runs = [_policy(get_task(task).name, method, seed, profile, "rgb", min(get_task(task).timesteps, most_timesteps),
+                    Evaluation(episodes=episodes))
+            for seed in range(seeds) for task in tasks for method in ("static", "move")]
+    return [run.model_copy(update={"training": run.training.model_copy(
+                update={"gradient_steps": round(length * run.training.gradient_steps)})})
+            for length in lengths for run in runs]
 
 
 def controls(task: str, evaluation: Evaluation) -> list[RunSpec]:
@@ -296,6 +344,8 @@ EXPERIMENTS: dict[str, Callable[..., list[RunSpec]]] = {
     "table2_main": table2_main,
     "table_recipe": table_recipe,
     "generalization": generalization,
+    "fig_training_length": fig_training_length,
+    "table_adc": table_adc,
     "rollouts": rollouts,
     "keypoint_control": keypoint_control,
     "table6_collection": table6_collection,

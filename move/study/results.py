@@ -17,6 +17,7 @@ import pandas as pd
 from pydantic import ValidationError
 
 from move.errors import BadInput
+from move.sim.motion.adc import JUMPS
 from move.study.spec import RunSpec
 
 
@@ -129,9 +130,18 @@ def table(results: list[Result]) -> pd.DataFrame:
             observation=result.spec.observation,
             timesteps=result.spec.collection.timesteps if result.spec.collection else 0,
             factors=result.spec.evaluation.factors,
+            gradient_steps=result.spec.training.gradient_steps if result.spec.training else 0,
+            jumping=_named(result.spec),
             hand_spread=result.spec.collection.hand_spread if result.spec.collection else 0.0,
             seed=result.spec.seed,
         )
         for result in results
     ]
     return pd.concat(frames, ignore_index=True) if frames else pd.DataFrame()
+
+
+def _named(spec: RunSpec) -> str:
+    """Which reading of ADC a run has, "" for another method."""
+    if spec.method != "adc":
+        return ""
+    return next((name for name, jumping in JUMPS.items() if jumping == spec.collection.jumping), "its own")
