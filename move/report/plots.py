@@ -204,22 +204,24 @@ def readings(table: pd.DataFrame, column: str, ax: Axes) -> None:
 
 
 def own_and_elsewhere(table: pd.DataFrame, ax: Axes) -> None:
-    """One group for each task: a policy's rate at its own grasps (hollow) joined to its rate elsewhere (filled).
+    """One group for each task: a policy's rate at its own grasps (hollow), elsewhere (filled), in motion (triangle).
 
     Args:
-        table: task, method, group ("grasp" or "random"), value, low, high; either group may be missing.
+        table: task, method, group ("grasp", "random" or "moving"), value, low, high; any group may be missing.
     """
     tasks, methods = list(table.task.unique()), [name for name in COLOURS if name in set(table.method)]
-    shifts = dict(zip(methods, np.linspace(-0.24, 0.24, len(methods)) * (len(methods) > 1), strict=True))
-    aside = {"grasp": -0.05, "random": 0.05}
+    shifts = dict(zip(methods, np.linspace(-0.26, 0.26, len(methods)) * (len(methods) > 1), strict=True))
+    aside = {"grasp": -0.08, "random": 0.0, "moving": 0.08}
+    names = {"grasp": "at its own grasps", "random": "elsewhere", "moving": "elsewhere, in motion"}
     for (task, method), rows in table.groupby(["task", "method"], sort=False):
         place = tasks.index(task) + shifts[method]
+        rows = rows.set_index("group").reindex([group for group in aside if group in set(rows.group)]).reset_index()
         ax.plot([place + aside[group] for group in rows.group], rows.value, color=COLOURS[method], lw=2, alpha=0.35)
         for row in rows.itertuples():
-            filling, where = ("white", "at its own grasps") if row.group == "grasp" else (COLOURS[method], "elsewhere")
-            ax.errorbar(place + aside[row.group], row.value, [[row.value - row.low], [row.high - row.value]], fmt="o",
-                        ms=3.5, lw=0.8, capsize=1.5, color=COLOURS[method], mfc=filling,
-                        label=f"{NAMES[method]}, {where}" if task == tasks[0] else None)
+            ax.errorbar(place + aside[row.group], row.value, [[row.value - row.low], [row.high - row.value]],
+                        fmt="^" if row.group == "moving" else "o", ms=3.5, lw=0.8, capsize=1.5, color=COLOURS[method],
+                        mfc="white" if row.group == "grasp" else COLOURS[method],
+                        label=f"{NAMES[method]}, {names[row.group]}" if task == tasks[0] else None)
     ax.set_xticks(range(len(tasks)), [TASKS[task].title for task in tasks], rotation=25, ha="right")
     ax.set(ylabel="success rate", ylim=(-0.03, 1.05))
 

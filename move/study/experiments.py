@@ -192,16 +192,19 @@ def generalization(
     profile: str = "laptop", tasks: tuple[str, ...] = tuple(TASKS), methods: tuple[str, ...] = METHODS,
     seeds: tuple[Seeds, ...] = (0,), own_episodes: Count = 60, episodes: Count = 100, most_timesteps: Count = 20_000,
 ) -> list[RunSpec]:
-    """Policies of table 2 from pixels, tried where table 2 tries them and where their own demonstrations grasped.
+    """Policies of table 2 from pixels: where table 2 tries them, the same in motion, and at their own grasps.
 
-    Every method's demonstrations show the scene as it is at the grasp, so the two rates mean the same for all. A policy
-    is trained once for both. No more of its own configurations are tried than its budget is sure to hold.
+    In motion everything moves as in demonstrations of MOVE. Every method's demonstrations show the scene as it is at
+    the grasp, so the rates mean the same for all. A policy is trained once for all. No more of its own configurations
+    are tried than its budget is sure to hold.
     """
     names = {get_task(task).name for task in tasks}
     table_2 = table2_main(profile, max(seeds, default=-1) + 1, 0, episodes, most_timesteps)
     runs = [spec for spec in table_2
             if spec.training and spec.task in names and spec.method in methods and spec.seed in seeds]
-    return runs + [spec.model_copy(update={"evaluation": _own(spec, own_episodes)}) for spec in runs]
+    moving = Evaluation(layout="moving", episodes=episodes)
+    return [*runs, *(spec.model_copy(update={"evaluation": tried}) for spec in runs
+                     for tried in (_own(spec, own_episodes), moving))]
 
 
 def _own(spec: RunSpec, episodes: int) -> Evaluation:
