@@ -153,4 +153,5 @@ def test_every_plot_of_methods_stands_in_this_file():
     public = {name for name, plot in vars(plots).items()
               if getattr(plot, "__module__", "") == plots.__name__ and not name.startswith("_")}
     assert public == {"rates", "grouped_rates", "gaps", "scaling", "task_rates", "own_and_elsewhere", "changes",
-                      "costs", "coverage", "lengths", "readings"} | {"heatmap", "grasps", "circle", "level", "picture"}
+                      "costs", "coverage", "lengths", "readings"} | {
+                          "heatmap", "grasps", "circle", "level", "picture", "coverages"}

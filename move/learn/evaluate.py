@@ -30,9 +30,9 @@ class Evaluation(BaseModel):
     model_config = ConfigDict(frozen=True, strict=True, extra="forbid")
 
     layout: Literal["random", "moving", "grid", "own", "grasp"] = Field(
-        "random", description='random configurations, the same ones in a scene that moves as in demonstrations of MOVE, '
-        "a grid over the object, or those of the policy's own demonstrations: \"own\" as they began, \"grasp\" as they "
-        "were when the object was grasped"
+        "random", description="random configurations, the same ones in a scene that moves as in MOVE's demonstrations, "
+        'a grid over the object, or those of the policy\'s own demonstrations: "own" as they began, "grasp" as they were '
+        "when the object was grasped"
     )
     episodes: int = Field(100, gt=0, description="number of configurations, unless they are a grid")
     grid_side: int = Field(12, gt=0, description="cells along a side of the grid")

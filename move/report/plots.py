@@ -150,6 +150,25 @@ def lengths(table: pd.DataFrame, ax: Axes) -> None:
     ax.set(xlabel="gradient steps / the recipe's", ylabel="success rate", ylim=(-0.03, 1.03))
 
 
+def coverages(table: pd.DataFrame, ax: Axes) -> None:
+    """How often intervals hold the truth: one group a deviation of trainings, one mark a number of seeds.
+
+    Args:
+        table: as `move.study.simulation.coverage` gives it.
+    """
+    deviations, counts = sorted(table.deviation.unique()), sorted(table.seeds.unique())
+    shifts = dict(zip(counts, np.linspace(-0.22, 0.22, len(counts)) * (len(counts) > 1), strict=True))
+    for (name, count), rows in table.groupby(["interval", "seeds"], sort=False):
+        places = [deviations.index(value) + shifts[count] for value in rows.deviation]
+        ours = name == "ours"
+        ax.plot(places, rows.covered, "os^D"[counts.index(count) % 4], ms=4, color="black" if ours else "#999999",
+                mfc="black" if ours else "white", label=f"{name}, {count} seed{'s' * (count > 1)}")
+    ax.axhspan(0.93, 0.97, color="#999999", alpha=0.25, lw=0)
+    ax.set_xticks(range(len(deviations)), [f"{100 * value:.0f}" for value in deviations])
+    ax.set(xlabel="trainings differ by (points, standard deviation)", ylabel="intervals that hold the truth",
+           ylim=(0, 1.03))
+
+
 def level(value: float, label: str, ax: Axes, style: str = "--") -> None:
     """A labelled horizontal line: a floor, a ceiling or a value of the paper."""
     ax.axhline(value, color="#666666", lw=0.9, ls=style)
