@@ -15,10 +15,10 @@ import numpy as np
 from move.errors import BadInput
 from move.sim.configuration import Vector
 from move.sim.experts.metaworld import MetaworldExpert
-from move.sim.experts.transport import CARRIES
 from move.sim.geometry import shifted, turned, wrapped
 from move.sim.scene.scene import YAW_STEP, Scene
 from move.sim.tasks.task import Task
+from move.sim.tasks.transport import TransportState
 
 GAIN = 15.0  # action per metre of error
 PUSH_GAIN = 25.0  # the same while a handle is worked
@@ -43,20 +43,21 @@ def towards(goal: Vector, hand: Vector, gain: float) -> list[float]:
 
 
 class GraspExpert:
-    """Approach from above, descend, close, carry; a dropped object starts it over.
+    """Approach from above, descend, close, transport; a dropped object starts it over.
 
-    While carrying, the hand moves by the distance between the held object and where it should be. Where the task turns
+    In transport the hand moves by the distance between the held object and where it should be. Where the task turns
     the gripper, it follows the object's yaw until it has closed.
     """
 
     def __init__(self, task: Task) -> None:
-        self.task, self.grip, self.carry = task, task.grip, CARRIES[task.name]
+        self.task, self.grip = task, task.grip
         self.offsets = (self.grip.offset, *self.grip.otherwise)
         self.reset()
 
     def reset(self) -> None:
         """Forget the last episode."""
-        self.phase, self.count, self.offset, self.memory = "approach", 0, self.grip.offset, set()
+        self.phase, self.count, self.offset = "approach", 0, self.grip.offset
+        self.transport_state: TransportState = set()
 
     def action(self, scene: Scene) -> np.ndarray:
         """The next action in [-1, 1], shape (action_size,), float32."""
@@ -65,10 +66,10 @@ class GraspExpert:
         aside, above = math.dist(hand[:2], grip[:2]), hand[2] - held[2] - self.grip.height
         turn = self._turn_to_object(scene)
         self._change_phase(aside, above, abs(turn) < ASKEW)
-        if self.phase == "carry":
-            leg = self.carry(scene, self.memory)
-            goal = [h + w - o for h, w, o in zip(hand, leg.goal, leg.held, strict=True)]
-            turn = leg.turn
+        if self.phase == "transport":
+            waypoint = self.grip.transport(scene, self.transport_state)
+            goal = [h + w - o for h, w, o in zip(hand, waypoint.goal, waypoint.held, strict=True)]
+            turn = waypoint.turn
         else:
             goal = self._goal(hand, held, grip, aside)
         effort = self.grip.opening if self.phase in ("approach", "descend") else self.grip.effort
@@ -92,8 +93,8 @@ class GraspExpert:
         return wrapped(scene.object_yaw, math.pi) - scene.gripper_yaw
 
     def _change_phase(self, aside: float, above: float, square: bool) -> None:
-        if self.phase == "carry" and (aside > 0.06 or above > 0.05):
-            self.phase, self.memory = "approach", set()
+        if self.phase == "transport" and (aside > 0.06 or above > 0.05):
+            self.phase, self.transport_state = "approach", set()
         if self.phase == "approach" and aside < 0.015 and square:
             self.phase, self.count = "descend", 0
         if self.phase == "descend":
@@ -105,10 +106,10 @@ class GraspExpert:
         if self.phase == "close":
             self.count += 1
             if self.count > self.grip.closing_steps:
-                self.phase = "carry"
+                self.phase = "transport"
 
     def _goal(self, hand: list[float], held: list[float], grip: Vector, aside: float) -> Vector:
-        """Where the hand should go before it carries (metres)."""
+        """Where the hand should go before the transport (metres)."""
         height = held[2] + self.grip.height
         if self.phase == "close":
             return (grip[0], grip[1], hand[2])
@@ -147,7 +148,7 @@ class PressExpert:
         return np.array([*towards(goal, hand, gain), 1.0], np.float32)
 
     def _change_phase(self, aside: float, above: float) -> None:
-        if self.phase == "push" and (above > 0.06 or aside > self.press.lost):
+        if self.phase == "stroke" and (above > 0.06 or aside > self.press.lost):
             self.phase = "approach"
         if self.phase == "approach" and aside < 0.02:
             self.phase = "descend"
@@ -155,11 +156,11 @@ class PressExpert:
             if aside > 0.05:
                 self.phase = "approach"
             elif above < 0.015:
-                self.phase = "push"
+                self.phase = "stroke"
 
     def _goal(self, start: Vector, yaw: float, hand: list[float], aside: float) -> Vector:
         """Where the hand should go (metres)."""
-        if self.phase == "push":
+        if self.phase == "stroke":
             return shifted(start, self.press.stroke, yaw)
         if self.phase == "descend":
             return start

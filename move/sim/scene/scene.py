@@ -24,7 +24,7 @@ from move.sim.geometry import limited
 from move.sim.observe import keypoint_names, keypoint_slices, keypoints
 from move.sim.scene.scene_state import Readable
 from move.sim.scene.shared_model import LEFT, OBJECT, PALM, RIGHT, shared_world, stands
-from move.sim.tasks import Task, get_task
+from move.sim.tasks import DEFAULT_TASK, Task, get_task
 
 OBSERVATIONS = ("keypoints", "rgb")
 EPISODE_STEPS = 200  # the authors' limit
@@ -60,7 +60,7 @@ class Scene(Readable, gymnasium.Env):
 
     metadata = {"render_modes": ["rgb_array"], "render_fps": 80}
 
-    def __init__(self, task: str | Task = "pick-place", observation: str = "keypoints", image_size: int = 96,
+    def __init__(self, task: str | Task = DEFAULT_TASK, observation: str = "keypoints", image_size: int = 96,
                  render_mode: str | None = None) -> None:
         if observation not in OBSERVATIONS:
             raise BadInput(f"observation: {observation!r} given; allowed are {', '.join(OBSERVATIONS)}")

@@ -12,7 +12,8 @@ from move.sim.configuration import Box
 from move.sim.tasks import feasibility
 from move.sim.tasks.ranges import NO_TARGET, SIDE, WIDE_HAND, WRENCH, fixed
 from move.sim.tasks.success import higher, joint_beyond, near
-from move.sim.tasks.task import Grip, Mount, Press, Task
+from move.sim.tasks.task import Grip, Mount, Press, ScriptedPolicy, Task
+from move.sim.tasks.transport import upwards
 
 WINDOW_OPEN = Task(
     name="window-open",
@@ -57,6 +58,7 @@ FAUCET_OPEN = Task(
     fixed=fixed((0.0, 0.725, 0.0)),
     grip=Press("faucet_link2", offset=(-0.04, 0.0, 0.02), stroke=(0.1, 0.0, 0.0), above=0.1,
                joint="knob_Joint_1", enough=1.35, lost=0.08),
+    scripted_policy=ScriptedPolicy(object_offset=(0.0, 0.0, -0.01)),
     yaw_range=(-math.pi, 0.0),
     reachable=feasibility.within_arm(0.95, (-0.055, -0.175, 0.0)),  # where the hand starts its stroke
     object_steps=35,
@@ -81,7 +83,7 @@ DISASSEMBLE = Task(
     keypoints=WRENCH,
     success=higher("site:RoundNut-8", 0.175),
     fixed=fixed((-0.125, 0.6, 0.019)),
-    grip=Grip(offset=(-0.02, 0.0, 0.0), height=0.04, effort=0.9),
+    grip=Grip(upwards("site:RoundNut-8"), offset=(-0.02, 0.0, 0.0), height=0.04, effort=0.9),
     yaw_range=(-math.pi / 3, math.pi / 2),
     turns_gripper=True,
     object_steps=20,

@@ -1,7 +1,7 @@
 """What a task is: what is moved, over which ranges, what is seen as keypoints, how it is done and what success means.
 
-The scene, the motions and the experts read a `Task`; they hold no knowledge of any one. The ten tasks of the paper are
-in `move.sim.tasks`.
+The scene, the motions and the experts read a `Task`; they hold no knowledge of any one task, and a task knows nothing
+of them. The ten tasks of the paper are in `move.sim.tasks`.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from move.errors import BadInput
 from move.sim.configuration import Box, SpatialConfiguration, Vector
 from move.sim.tasks.feasibility import Reachable, anywhere
 from move.sim.tasks.success import Success
+from move.sim.tasks.transport import Transport
 
 FACTORS = {
     "object": frozenset({"object"}),
@@ -45,8 +46,9 @@ class Mount:
 
 @dataclass(frozen=True)
 class Grip:
-    """How the phase expert grips: the point and height over the object, effort in [-1, 1], steps spent closing."""
+    """How the phase expert grips, and where it takes what it holds; effort and opening are commands in [-1, 1]."""
 
+    transport: Transport
     offset: Vector = (0.0, 0.0, 0.0)  # from the object's point, in the object's frame, metres
     height: float = 0.03  # hand above the object's point while gripping, metres
     effort: float = 1.0
@@ -67,6 +69,15 @@ class Press:
     joint: str  # that opens
     enough: float  # position of the joint at which the hand stops, metres or radians
     lost: float = 0.06  # metres in the plane from the start at which a stroke has missed the handle
+
+
+@dataclass(frozen=True)
+class ScriptedPolicy:
+    """What Meta-World's scripted policy of a task needs besides the scene turned into the object's frame."""
+
+    object_offset: Vector = (0.0, 0.0, 0.0)  # from the object's point to what Meta-World observes, metres
+    hard_coded: tuple[str, Vector] | None = None  # a point, and where the policy takes it to be in x and y, metres
+    squares_lifted: bool = False  # whether the gripper brings the object to yaw 0 once it is lifted
 
 
 @dataclass(frozen=True)
@@ -91,6 +102,7 @@ class Task:
     success: Success
     fixed: SpatialConfiguration  # what is not randomised stays here
     grip: Grip | Press
+    scripted_policy: ScriptedPolicy = ScriptedPolicy()
     yaw_range: tuple[float, float] = (0.0, 0.0)
     yaw_speed_scale: float = 1.0  # of the motions' largest yaw speed
     turns_gripper: bool = False  # whether the action has a fifth part, the gripper's yaw
