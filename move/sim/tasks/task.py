@@ -25,7 +25,7 @@ FACTORS = {
 """The settings of Table 1: which parts of the configuration are random; the others stay at the task's fixed ones.
 The object's yaw, where a task has one, goes with the object; the hand's start goes with the target."""
 
-MAX_DRAWS = 1000
+MAX_CANDIDATES = 1000
 
 
 @dataclass(frozen=True)
@@ -149,20 +149,20 @@ class Task:
         return math.dist(configuration.object_position[:2], configuration.target_position[:2]) >= distance
 
     def sample(self, rng: np.random.Generator, factors: str = "all") -> SpatialConfiguration:
-        """Draw a configuration: the `factors` (a key of FACTORS) are random, the rest is the task's fixed one.
+        """Sample a configuration: the `factors` (a key of FACTORS) are random, the rest is the task's fixed one.
 
         Raises:
-            BadInput: unknown factors, or no allowed configuration in a thousand draws.
+            BadInput: unknown factors, or no allowed configuration among a thousand candidates.
         """
         if factors not in FACTORS:
             raise BadInput(f"factors: {factors!r} given; allowed are {', '.join(FACTORS)}")
-        for _ in range(MAX_DRAWS):
-            drawn = self._draw(rng, factors)
-            if self.allows(drawn, self.separation):
-                return drawn
+        for _ in range(MAX_CANDIDATES):
+            candidate = self._candidate(rng, factors)
+            if self.allows(candidate, self.separation):
+                return candidate
         raise BadInput(f"{self.name}: no configuration has object and target {self.separation} m apart")
 
-    def _draw(self, rng: np.random.Generator, factors: str) -> SpatialConfiguration:
+    def _candidate(self, rng: np.random.Generator, factors: str) -> SpatialConfiguration:
         free, fixed = FACTORS[factors], self.fixed
         return SpatialConfiguration(
             object_position=self.object_range.sample(rng),
@@ -182,8 +182,8 @@ def kept_share(task: Task, rng: np.random.Generator, n: int) -> float:
     """
     kept = tried = 0
     while tried < n:
-        drawn = task._draw(rng, "all")
-        if task._apart(drawn, task.separation):
+        candidate = task._candidate(rng, "all")
+        if task._apart(candidate, task.separation):
             tried += 1
-            kept += task.reachable(drawn)
+            kept += task.reachable(candidate)
     return kept / n
