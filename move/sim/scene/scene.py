@@ -75,14 +75,14 @@ class Scene(Readable, gymnasium.Env):
 
     def _observation_space(self) -> BoxSpace:
         if self.observation == "rgb":
-            self._world.painter(self.image_size)
+            self._world.renderer(self.image_size)
             return BoxSpace(0, 255, (self.image_size, self.image_size, 3), np.uint8)
         return BoxSpace(-np.inf, np.inf, (3 * len(self._keypoint_names),), np.float32)
 
     # starting ------------------------------------------------------------------------------------------------------
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[np.ndarray, dict]:
-        """Start an episode in `options["configuration"]`, or in one drawn from `options["factors"]` ("all").
+        """Start an episode in `options["configuration"]`, or in one sampled from `options["factors"]` ("all").
 
         The hand is driven to its start as Meta-World does, the object held where it belongs.
         """
@@ -239,13 +239,13 @@ class Scene(Readable, gymnasium.Env):
 
     def observe(self) -> np.ndarray:
         """The observation of the present state: keypoints or picture."""
-        return self.draw(self.image_size) if self.observation == "rgb" else self.keypoints()
+        return self.render_image(self.image_size) if self.observation == "rgb" else self.keypoints()
 
-    def draw(self, size: int) -> np.ndarray:
+    def render_image(self, size: int) -> np.ndarray:
         """The camera's picture, shape (size, size, 3), uint8."""
         self._claim()
         mujoco.mj_camlight(self._model, self._data)
-        return self._world.painter(size).draw(self._data, self._configuration.camera_angle)
+        return self._world.renderer(size).render(self._data, self._configuration.camera_angle)
 
     def refresh(self) -> np.ndarray:
         """The observation after something was moved between steps."""
@@ -254,5 +254,5 @@ class Scene(Readable, gymnasium.Env):
 
     def render(self) -> np.ndarray | None:
         """The picture that Gymnasium's render mode asks for, or None."""
-        return self.draw(self.image_size) if self.render_mode == "rgb_array" else None
+        return self.render_image(self.image_size) if self.render_mode == "rgb_array" else None
 

@@ -11,7 +11,7 @@ from metaworld.env_dict import ALL_V3_ENVIRONMENTS
 
 from move.sim.configuration import Vector
 from move.sim.geometry import turned
-from move.sim.observe import Painter
+from move.sim.observe import Renderer
 from move.sim.tasks.task import Mount, Task
 
 OBJECT, LEFT, RIGHT, PALM = 1, 2, 3, 4  # what a contact is between
@@ -21,7 +21,7 @@ HAND_BODIES = {"leftclaw": LEFT, "leftpad": LEFT, "rightclaw": RIGHT, "rightpad"
 class World:
     """A task's compiled model, shared by all its scenes (its meshes take 21 MB).
 
-    What is no free body stands in the model itself: each scene writes its own into it before it steps or draws
+    What is no free body stands in the model itself: each scene writes its own into it before it steps or renders
     (`Scene._claim`), so scenes of one task can be stepped in turn within one thread. `owner` is the last that did.
     """
 
@@ -37,13 +37,13 @@ class World:
         self.owner: object | None = None
         self.sides = self._contact_sides(task)
         self._addresses: dict[str, tuple[int, int]] = {}
-        self._painters: dict[int, Painter] = {}
+        self._renderers: dict[int, Renderer] = {}
 
-    def painter(self, size: int) -> Painter:
-        """The painter for pictures of `size` pixels, made once."""
-        if size not in self._painters:
-            self._painters[size] = Painter(self.model, size)
-        return self._painters[size]
+    def renderer(self, size: int) -> Renderer:
+        """The renderer for pictures of `size` pixels, made once."""
+        if size not in self._renderers:
+            self._renderers[size] = Renderer(self.model, size)
+        return self._renderers[size]
 
     def free_joint(self, body: str) -> tuple[int, int]:
         """Where the free joint of `body` stands in the positions and in the velocities."""
