@@ -19,7 +19,7 @@ from move.sim.experts.phase import make_expert
 from move.sim.geometry import wrapped
 from move.sim.scene.scene import Scene
 from move.sim.tasks import TASKS, get_task
-from move.sim.tasks.task import kept_share
+from move.sim.tasks.task import acceptance_rate
 
 NAMES = tuple(TASKS)
 WITH_YAW = tuple(name for name in NAMES if TASKS[name].has_yaw)
@@ -156,7 +156,7 @@ def test_ranges_hold_what_is_sampled_and_fixed(task):
         assert task.target_range.contains(configuration.target_position)
         assert task.allows(configuration, task.separation)
     assert task.clearance <= task.separation
-    assert 0.8 < kept_share(task, rng, 500) <= 1.0
+    assert 0.8 < acceptance_rate(task, rng, 500) <= 1.0
 
 
 @pytest.mark.parametrize("name", FILTERED)

@@ -173,11 +173,11 @@ class Task:
         )
 
 
-def kept_share(task: Task, rng: np.random.Generator, n: int) -> float:
+def acceptance_rate(task: Task, rng: np.random.Generator, n: int) -> float:
     """Share of `n` configurations with object and target apart that the reach and clearance filter keeps.
 
     >>> from move.sim.tasks import get_task
-    >>> kept_share(get_task("pick-place"), np.random.default_rng(0), 100)
+    >>> acceptance_rate(get_task("pick-place"), np.random.default_rng(0), 100)
     1.0
     """
     kept = tried = 0
