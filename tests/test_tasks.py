@@ -134,7 +134,7 @@ def test_goal_blind_expert_leaves_the_target_where_it_is(name):
     scene = Scene(name)
     scene.reset(seed=3)
     before = scene.keypoints()
-    with scene.pretending(scene.task.target_range.centre):
+    with scene.with_target_at(scene.task.target_range.centre):
         assert np.abs(scene.keypoints() - before).max() > 1e-3
     assert np.array_equal(scene.keypoints(), before)
 

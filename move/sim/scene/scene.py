@@ -96,8 +96,8 @@ class Scene(Readable, gymnasium.Env):
         self.steps, self.phase, self.touched, self.held, self.success = 0, "pick", False, False, False
         self.strict_success, self.strict_steps, self.gripper_yaw = False, 0, 0.0
         self._configuration = configuration
-        self._world.owner = None  # what stands in the model is the last episode's
-        self._claim()
+        self._world.active_scene = None  # what stands in the model is the last episode's
+        self._load_state()
         self._drive_hand(configuration.hand_position)
         self.move_object(configuration.object_position, configuration.object_yaw)
         mujoco.mj_forward(self._model, self._data)
@@ -111,11 +111,11 @@ class Scene(Readable, gymnasium.Env):
             self.move_object(self._configuration.object_position, self._configuration.object_yaw)
             mujoco.mj_step(self._model, self._data, nstep=SUBSTEPS)
 
-    def _claim(self) -> None:
+    def _load_state(self) -> None:
         """Write this scene's target, and an object that stands in the model, unless they are there already."""
-        if self._world.owner is self:
+        if self._world.active_scene is self:
             return
-        self._world.owner = self
+        self._world.active_scene = self
         self.move_target(self._configuration.target_position)
         for mount in self.task.object_mounts:
             if mount.kind != "free":
@@ -130,7 +130,7 @@ class Scene(Readable, gymnasium.Env):
 
     def advance(self, action: np.ndarray) -> None:
         """Advance by one step without observing: the hand's goal moves, MuJoCo runs, success is judged."""
-        self._claim()
+        self._load_state()
         dx, dy, dz, effort, *turn = (min(1.0, max(-1.0, value)) for value in np.asarray(action, float).tolist())
         low, high = self._world.hand_low, self._world.hand_high
         for axis, change in enumerate((dx, dy, dz)):
@@ -189,7 +189,7 @@ class Scene(Readable, gymnasium.Env):
                 self._data.qpos[at : at + 7] = (*where, *turn)
                 self._data.qvel[speed : speed + 6] = 0.0
             else:
-                self._claim()
+                self._load_state()
                 self._world.place(mount, position, yaw)
             if mount.joint:
                 at, speed = self._world.hinge_or_slide(mount.joint)
@@ -200,7 +200,7 @@ class Scene(Readable, gymnasium.Env):
         """Put the target at `position` (metres)."""
         self._target[:] = position
         self._configuration = replace(self._configuration, target_position=tuple(position))
-        self._claim()
+        self._load_state()
         for mount in self.task.target_mounts:
             self._world.place(mount, position, 0.0)
 
@@ -209,7 +209,7 @@ class Scene(Readable, gymnasium.Env):
         self._configuration = replace(self._configuration, camera_angle=angle)
 
     @contextmanager
-    def pretending(self, target: Vector) -> Iterator[None]:
+    def with_target_at(self, target: Vector) -> Iterator[None]:
         """For a while, whoever reads the scene finds the target at `target` (metres); nothing may be stepped."""
         true = self._configuration.target_position
         self.move_target(target)
@@ -243,7 +243,7 @@ class Scene(Readable, gymnasium.Env):
 
     def render_image(self, size: int) -> np.ndarray:
         """The camera's picture, shape (size, size, 3), uint8."""
-        self._claim()
+        self._load_state()
         mujoco.mj_camlight(self._model, self._data)
         return self._world.renderer(size).render(self._data, self._configuration.camera_angle)
 

@@ -22,7 +22,7 @@ class World:
     """A task's compiled model, shared by all its scenes (its meshes take 21 MB).
 
     What is no free body stands in the model itself: each scene writes its own into it before it steps or renders
-    (`Scene._claim`), so scenes of one task can be stepped in turn within one thread. `owner` is the last that did.
+    (`Scene._load_state`), so scenes of one task can be stepped in turn within one thread; `active_scene` did last.
     """
 
     def __init__(self, task: Task) -> None:
@@ -34,7 +34,7 @@ class World:
         self.model.site_pos[:] = sites  # Meta-World's reset writes world coordinates into sites of moved bodies
         self.start = environment.init_qpos.copy()
         self.hand_low, self.hand_high = environment.mocap_low.tolist(), environment.mocap_high.tolist()
-        self.owner: object | None = None
+        self.active_scene: object | None = None
         self.sides = self._contact_sides(task)
         self._addresses: dict[str, tuple[int, int]] = {}
         self._renderers: dict[int, Renderer] = {}
