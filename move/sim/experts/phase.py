@@ -72,9 +72,9 @@ class GraspExpert:
             turn = waypoint.turn
         else:
             goal = self._goal(hand, held, grip, aside)
-        effort = self.grip.opening if self.phase in ("approach", "descend") else self.grip.effort
+        command = self.grip.opening if self.phase in ("approach", "descend") else self.grip.gripper_command
         turns = [min(1.0, max(-1.0, turn / YAW_STEP))] if self.task.turns_gripper else []
-        return np.array([*towards(goal, hand, GAIN), effort, *turns], np.float32)
+        return np.array([*towards(goal, hand, GAIN), command, *turns], np.float32)
 
     def _grip_point(self, scene: Scene, held: list[float]) -> Vector:
         if not self.task.has_yaw:

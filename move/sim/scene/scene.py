@@ -41,8 +41,9 @@ DOWN = np.array([1.0, 0.0, 1.0, 0.0]) / np.sqrt(2.0)  # orientation of a hand th
 class Scene(Readable, gymnasium.Env):
     """A task of the paper as a Gymnasium environment whose object, target and camera can be moved at any time.
 
-    Actions are four numbers in [-1, 1]: three displacements of the hand's goal (1 = 0.01 m) and the gripper's effort;
-    where the task turns the gripper a fifth: the change of its goal's yaw (1 = 6 degrees, at most 100 to each side).
+    Actions are four numbers in [-1, 1]: three displacements of the hand's goal (1 = 0.01 m) and the gripper's
+    command; where the task turns the gripper a fifth: the change of its goal's yaw (1 = 6 degrees, at most 100 to each
+    side).
     An observation is the keypoint vector (float32, metres, camera frame) or an RGB picture (uint8). The reward is 1
     on a successful step. `info` holds "success" and "phase" ("pick", from the grasp on "place"), and "strict_success"
     where the task has such a condition. The episode limit is left to Gymnasium's TimeLimit and to the loops of this
@@ -131,12 +132,12 @@ class Scene(Readable, gymnasium.Env):
     def advance(self, action: np.ndarray) -> None:
         """Advance by one step without observing: the hand's goal moves, MuJoCo runs, success is judged."""
         self._load_state()
-        dx, dy, dz, effort, *turn = (min(1.0, max(-1.0, value)) for value in np.asarray(action, float).tolist())
+        dx, dy, dz, command, *turn = (min(1.0, max(-1.0, value)) for value in np.asarray(action, float).tolist())
         low, high = self._world.hand_low, self._world.hand_high
         for axis, change in enumerate((dx, dy, dz)):
             self._mocap[axis] = min(high[axis], max(low[axis], self._mocap[axis] + HAND_STEP * change))
         self._data.mocap_pos[0] = self._mocap
-        self._data.ctrl[:] = (effort, -effort)
+        self._data.ctrl[:] = (command, -command)
         if self.task.turns_gripper:
             self._turn_gripper(*turn)
         mujoco.mj_step(self._model, self._data, nstep=SUBSTEPS)

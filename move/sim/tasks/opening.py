@@ -83,7 +83,7 @@ DISASSEMBLE = Task(
     keypoints=WRENCH,
     success=higher("site:RoundNut-8", 0.175),
     fixed=fixed((-0.125, 0.6, 0.019)),
-    grip=Grip(upwards("site:RoundNut-8"), offset=(-0.02, 0.0, 0.0), height=0.04, effort=0.9),
+    grip=Grip(upwards("site:RoundNut-8"), offset=(-0.02, 0.0, 0.0), height=0.04, gripper_command=0.9),
     yaw_range=(-math.pi / 3, math.pi / 2),
     turns_gripper=True,
     object_steps=20,

@@ -68,7 +68,7 @@ ASSEMBLY = Task(
     fixed=fixed((-0.15, 0.6, 0.019), (0.1, 0.85, 0.1)),
     grip=Grip(
         onto_peg("site:RoundNut", "body:peg+0,0,0.05"),
-        offset=(-0.02, 0.0, 0.0), height=0.04, effort=0.9,
+        offset=(-0.02, 0.0, 0.0), height=0.04, gripper_command=0.9,
     ),
     scripted_policy=ScriptedPolicy(squares_lifted=True),
     yaw_range=(-math.pi / 3, math.pi / 3),
@@ -129,7 +129,7 @@ HAMMER = Task(
     fixed=fixed((0.0, 0.45, 0.0284), (0.2, 0.9, 0.0)),
     grip=Grip(
         onto_nail("geom:HammerHead", face=(0.0, 0.072, 0.0), nail="body:nail_link"),
-        offset=(-0.04, 0.0, 0.0), height=0.035, effort=0.9,
+        offset=(-0.04, 0.0, 0.0), height=0.035, gripper_command=0.9,
         otherwise=tuple((along, 0.0, 0.0) for along in (-0.01, 0.02, 0.05, -0.07, -0.1)),
     ),
     scripted_policy=ScriptedPolicy(hard_coded=("body:nail_link", (0.24, 0.64, 0.11)), squares_lifted=True),
@@ -178,7 +178,7 @@ BASKETBALL = Task(
     keypoints=("body:bsktball", "body:hooplink"),
     success=in_hoop("body:bsktball", "body:hooplink", height=0.3, distance=0.08),
     fixed=fixed((0.0, 0.55, 0.0299), (0.0, 0.9, 0.0)),
-    grip=Grip(into_hoop("body:bsktball", "body:hooplink"), height=0.035, effort=0.6, opening=-1.0),
+    grip=Grip(into_hoop("body:bsktball", "body:hooplink"), height=0.035, gripper_command=0.6, opening=-1.0),
     reachable=feasibility.apart_from((0.0, -0.083, 0.0), 0.15),  # the ball is not under the hoop
     target_steps=140,
     target_dimensions=2,

@@ -46,12 +46,12 @@ class Mount:
 
 @dataclass(frozen=True)
 class Grip:
-    """How the phase expert grips, and where it takes what it holds; effort and opening are commands in [-1, 1]."""
+    """How the phase expert grips, and where it takes what it holds; the gripper's commands are in [-1, 1]."""
 
     transport: Transport
     offset: Vector = (0.0, 0.0, 0.0)  # from the object's point, in the object's frame, metres
     height: float = 0.03  # hand above the object's point while gripping, metres
-    effort: float = 1.0
+    gripper_command: float = 1.0  # while closing and holding
     opening: float = 0.0  # gripper command while approaching
     closing_steps: int = 8
     patience: int = 60  # steps of descending after which it closes wherever it is
@@ -121,7 +121,7 @@ class Task:
 
     @property
     def action_size(self) -> int:
-        """Parts of an action: displacement (3), effort and, where the gripper turns, its yaw."""
+        """Parts of an action: displacement (3), gripper command and, where the gripper turns, its yaw."""
         return 5 if self.turns_gripper else 4
 
     @property
