@@ -17,7 +17,7 @@ from move.sim.scene.scene import Scene
 from move.sim.tasks import TASKS
 from move.sim.tasks.ranges import SIDE, WIDE_HAND, fixed
 from move.sim.tasks.success import near
-from move.sim.tasks.task import Grip, Mount, Task
+from move.sim.tasks.task import GraspParameters, Mount, Task
 from move.sim.tasks.transport import Grasped, TransportState, Waypoint, read
 from move.study.run import run
 from move.study.spec import RunSpec
@@ -45,7 +45,7 @@ TOY = Task(
     keypoints=("body:obj", "target"),
     success=near("body:obj", "target", 0.07),
     fixed=fixed((0.0, 0.8, 0.0199), (0.0, 0.55, 0.02)),
-    grip=Grip(backwards),
+    manipulation=GraspParameters(backwards),
     target_dimensions=2,
 )
 

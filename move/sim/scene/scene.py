@@ -43,11 +43,10 @@ class Scene(Readable, gymnasium.Env):
 
     Actions are four numbers in [-1, 1]: three displacements of the hand's goal (1 = 0.01 m) and the gripper's
     command; where the task turns the gripper a fifth: the change of its goal's yaw (1 = 6 degrees, at most 100 to each
-    side).
-    An observation is the keypoint vector (float32, metres, camera frame) or an RGB picture (uint8). The reward is 1
-    on a successful step. `info` holds "success" and "phase" ("pick", from the grasp on "place"), and "strict_success"
-    where the task has such a condition. The episode limit is left to Gymnasium's TimeLimit and to the loops of this
-    package.
+    side). An observation is the keypoint vector (float32, metres, camera frame) or an RGB picture (uint8). The reward
+    is 1 on a successful step. `info` holds "success" and "phase" ("pick", from the grasp on "place"), and
+    "strict_success" where the task has such a condition. The episode limit is left to Gymnasium's TimeLimit and to the
+    loops of this package.
 
     Args:
         task: a name in `move.sim.tasks.TASKS`.

@@ -12,7 +12,7 @@ from move.sim.configuration import Box
 from move.sim.tasks import feasibility
 from move.sim.tasks.ranges import NO_TARGET, SIDE, WIDE_HAND, WRENCH, fixed
 from move.sim.tasks.success import higher, joint_beyond, near
-from move.sim.tasks.task import Grip, Mount, Press, ScriptedPolicy, Task
+from move.sim.tasks.task import GraspParameters, Mount, PushParameters, ScriptedPolicy, Task
 from move.sim.tasks.transport import upwards
 
 WINDOW_OPEN = Task(
@@ -29,8 +29,10 @@ WINDOW_OPEN = Task(
     keypoints=("site:handleOpenStart", "body:window", "body:window+0.2,0,0"),
     success=joint_beyond("window_slide", 0.19),  # 5 cm short of 0.24 m
     fixed=fixed((0.0, 0.7, 0.16)),
-    grip=Press("window", offset=(-0.03, 0.02, -0.07), stroke=(0.1, 0.0, 0.0), above=0.33,
-               joint="window_slide", enough=0.2),
+    manipulation=PushParameters(
+        "window", offset=(-0.03, 0.02, -0.07), stroke=(0.1, 0.0, 0.0), above=0.33,
+        joint="window_slide", enough=0.2,
+    ),
     yaw_range=(-math.pi / 3, math.pi / 2),
     reachable=feasibility.within_arm(0.86, (-0.07, -0.115, 0.0), (0.12, -0.125, 0.0)),  # the hand, closed and open
     object_steps=35,
@@ -56,8 +58,10 @@ FAUCET_OPEN = Task(
     keypoints=("site:handleStartOpen", "body:faucet_link2", "body:faucetBase+0.175,0,0.125"),
     success=near("site:handleStartOpen", "body:faucetBase+0.215,0,0.105", 0.07),
     fixed=fixed((0.0, 0.725, 0.0)),
-    grip=Press("faucet_link2", offset=(-0.04, 0.0, 0.02), stroke=(0.1, 0.0, 0.0), above=0.1,
-               joint="knob_Joint_1", enough=1.35, lost=0.08),
+    manipulation=PushParameters(
+        "faucet_link2", offset=(-0.04, 0.0, 0.02), stroke=(0.1, 0.0, 0.0), above=0.1,
+        joint="knob_Joint_1", enough=1.35, lost=0.08,
+    ),
     scripted_policy=ScriptedPolicy(object_offset=(0.0, 0.0, -0.01)),
     yaw_range=(-math.pi, 0.0),
     reachable=feasibility.within_arm(0.95, (-0.055, -0.175, 0.0)),  # where the hand starts its stroke
@@ -83,7 +87,10 @@ DISASSEMBLE = Task(
     keypoints=WRENCH,
     success=higher("site:RoundNut-8", 0.175),
     fixed=fixed((-0.125, 0.6, 0.019)),
-    grip=Grip(upwards("site:RoundNut-8"), offset=(-0.02, 0.0, 0.0), height=0.04, gripper_command=0.9),
+    manipulation=GraspParameters(
+        upwards("site:RoundNut-8"),
+        offset=(-0.02, 0.0, 0.0), height=0.04, gripper_command=0.9,
+    ),
     yaw_range=(-math.pi / 3, math.pi / 2),
     turns_gripper=True,
     object_steps=20,

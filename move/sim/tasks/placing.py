@@ -12,7 +12,7 @@ from move.sim.configuration import Box
 from move.sim.tasks import feasibility
 from move.sim.tasks.ranges import HALF_CIRCLE, SIDE, WIDE_HAND, WRENCH, fixed
 from move.sim.tasks.success import around, both, in_hoop, joint_beyond, near, touching
-from move.sim.tasks.task import Grip, Mount, ScriptedPolicy, Task
+from move.sim.tasks.task import GraspParameters, Mount, ScriptedPolicy, Task
 from move.sim.tasks.transport import along_table, into_hoop, onto_box, onto_nail, onto_peg, over_wall, straight
 
 PICK_PLACE = Task(
@@ -29,7 +29,7 @@ PICK_PLACE = Task(
     keypoints=("body:obj", "target"),
     success=near("body:obj", "target", 0.07),
     fixed=fixed((-0.05, 0.65, 0.02), (0.1, 0.85, 0.2)),
-    grip=Grip(straight("body:obj"), offset=(-0.005, 0.0, 0.0), patience=30),
+    manipulation=GraspParameters(straight("body:obj"), offset=(-0.005, 0.0, 0.0), patience=30),
 )
 
 
@@ -47,7 +47,7 @@ PUSH = Task(
     keypoints=("body:obj", "target"),
     success=near("body:obj", "target", 0.05),
     fixed=fixed((-0.05, 0.65, 0.0194), (0.1, 0.85, 0.015)),
-    grip=Grip(along_table("body:obj"), offset=(-0.005, 0.0, 0.0)),
+    manipulation=GraspParameters(along_table("body:obj"), offset=(-0.005, 0.0, 0.0)),
     target_dimensions=2,
 )
 
@@ -66,7 +66,7 @@ ASSEMBLY = Task(
     keypoints=WRENCH,
     success=around("site:RoundNut", "target", 0.02),
     fixed=fixed((-0.15, 0.6, 0.019), (0.1, 0.85, 0.1)),
-    grip=Grip(
+    manipulation=GraspParameters(
         onto_peg("site:RoundNut", "body:peg+0,0,0.05"),
         offset=(-0.02, 0.0, 0.0), height=0.04, gripper_command=0.9,
     ),
@@ -98,7 +98,7 @@ BOX_CLOSE = Task(
     keypoints=("body:top_link+0,0.05,0.082", "body:top_link+0,-0.05,0.082", "body:boxbody"),  # ends of the lid's handle
     success=near("body:top_link", "target", 0.08),
     fixed=fixed((0.0, 0.45, -0.059), (0.0, 0.8, 0.133)),
-    grip=Grip(onto_box("body:top_link"), height=0.065),
+    manipulation=GraspParameters(onto_box("body:top_link"), height=0.065),
     scripted_policy=ScriptedPolicy(squares_lifted=True),
     yaw_range=(-math.pi / 4, math.pi / 4),
     yaw_speed_scale=0.1,
@@ -127,7 +127,7 @@ HAMMER = Task(
     success=joint_beyond("NailSlideJoint", 0.09),
     strict_success=both(joint_beyond("NailSlideJoint", 0.09), touching("body:hammer-HammerHandle", "body:nail_link")),
     fixed=fixed((0.0, 0.45, 0.0284), (0.2, 0.9, 0.0)),
-    grip=Grip(
+    manipulation=GraspParameters(
         onto_nail("geom:HammerHead", face=(0.0, 0.072, 0.0), nail="body:nail_link"),
         offset=(-0.04, 0.0, 0.0), height=0.035, gripper_command=0.9,
         otherwise=tuple((along, 0.0, 0.0) for along in (-0.01, 0.02, 0.05, -0.07, -0.1)),
@@ -160,7 +160,7 @@ PICK_PLACE_WALL = Task(
     keypoints=("body:obj", "target", "body:wall"),
     success=near("body:obj", "target", 0.07),
     fixed=fixed((-0.05, 0.59, 0.0194), (0.1, 0.85, 0.2)),
-    grip=Grip(over_wall("body:obj", top=0.19, behind=0.79), offset=(-0.005, 0.0, 0.0)),
+    manipulation=GraspParameters(over_wall("body:obj", top=0.19, behind=0.79), offset=(-0.005, 0.0, 0.0)),
 )
 
 
@@ -178,7 +178,10 @@ BASKETBALL = Task(
     keypoints=("body:bsktball", "body:hooplink"),
     success=in_hoop("body:bsktball", "body:hooplink", height=0.3, distance=0.08),
     fixed=fixed((0.0, 0.55, 0.0299), (0.0, 0.9, 0.0)),
-    grip=Grip(into_hoop("body:bsktball", "body:hooplink"), height=0.035, gripper_command=0.6, opening=-1.0),
+    manipulation=GraspParameters(
+        into_hoop("body:bsktball", "body:hooplink"),
+        height=0.035, gripper_command=0.6, opening=-1.0,
+    ),
     reachable=feasibility.apart_from((0.0, -0.083, 0.0), 0.15),  # the ball is not under the hoop
     target_steps=140,
     target_dimensions=2,

@@ -45,7 +45,7 @@ class Mount:
 
 
 @dataclass(frozen=True)
-class Grip:
+class GraspParameters:
     """How the phase expert grips, and where it takes what it holds; the gripper's commands are in [-1, 1]."""
 
     transport: Transport
@@ -59,7 +59,7 @@ class Grip:
 
 
 @dataclass(frozen=True)
-class Press:
+class PushParameters:
     """How the phase expert works a handle without gripping it: with a closed hand, from a start, along a stroke."""
 
     frame: str  # the body whose yaw the offset and the stroke turn with
@@ -101,7 +101,7 @@ class Task:
     keypoints: tuple[str, ...]  # after fingers and hand; names as in Scene.point
     success: Success
     fixed: SpatialConfiguration  # what is not randomised stays here
-    grip: Grip | Press
+    manipulation: GraspParameters | PushParameters
     scripted_policy: ScriptedPolicy = ScriptedPolicy()
     yaw_range: tuple[float, float] = (0.0, 0.0)
     yaw_speed_scale: float = 1.0  # of the motions' largest yaw speed
@@ -137,7 +137,7 @@ class Task:
     @property
     def grasps(self) -> bool:
         """Whether the pick phase ends with a grasp; otherwise it ends with the first touch."""
-        return isinstance(self.grip, Grip)
+        return isinstance(self.manipulation, GraspParameters)
 
     def allows(self, configuration: SpatialConfiguration, distance: float) -> bool:
         """Whether object and target are `distance` metres apart in the plane, and everything within reach."""
