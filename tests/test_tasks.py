@@ -220,7 +220,7 @@ def test_object_stands_at_its_yaw(name):
 
 
 def test_free_objects_lie_where_they_are_put(task):
-    if task.object_mounts[0].kind != "free":
+    if task.object_bodies[0].kind != "free":
         pytest.skip("stands fixed")
     scene = Scene(task)
     scene.reset(seed=0)
@@ -243,7 +243,7 @@ def test_peg_follows_the_nut():
 def test_moved_handles_stay_closed(name):
     scene = Scene(name)
     scene.reset(seed=0)
-    joint = scene.task.object_mounts[0].joint
+    joint = scene.task.object_bodies[0].joint
     scene._data.qpos[scene._world.hinge_or_slide(joint)[0]] = 0.1
     scene.move_object(scene.configuration.object_position, -0.3)
     assert scene.joint(joint) == 0.0

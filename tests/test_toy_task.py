@@ -17,7 +17,7 @@ from move.sim.scene.scene import Scene
 from move.sim.tasks import TASKS
 from move.sim.tasks.ranges import SIDE, WIDE_HAND, fixed
 from move.sim.tasks.success import near
-from move.sim.tasks.task import GraspParameters, Mount, Task
+from move.sim.tasks.task import GraspParameters, MovableBody, Task
 from move.sim.tasks.transport import Grasped, TransportState, Waypoint, read
 from move.study.run import run
 from move.study.spec import RunSpec
@@ -39,8 +39,8 @@ TOY = Task(
     target_range=Box((-0.1, 0.5, 0.02), (0.1, 0.6, 0.02)),
     hand_range=WIDE_HAND,
     camera_range=SIDE,
-    object_mounts=(Mount("free", "obj"),),
-    target_mounts=(Mount("site", "goal"),),
+    object_bodies=(MovableBody("free", "obj"),),
+    target_bodies=(MovableBody("site", "goal"),),
     object_point="body:obj",
     keypoints=("body:obj", "target"),
     success=near("body:obj", "target", 0.07),

@@ -117,9 +117,9 @@ class Scene(Readable, gymnasium.Env):
             return
         self._world.active_scene = self
         self.move_target(self._configuration.target_position)
-        for mount in self.task.object_mounts:
-            if mount.kind != "free":
-                self._world.place(mount, self._configuration.object_position, self._configuration.object_yaw)
+        for movable in self.task.object_bodies:
+            if movable.kind != "free":
+                self._world.place(movable, self._configuration.object_position, self._configuration.object_yaw)
 
     # running -------------------------------------------------------------------------------------------------------
 
@@ -182,17 +182,17 @@ class Scene(Readable, gymnasium.Env):
 
     def move_object(self, position: Vector, yaw: float) -> None:
         """Put the object at `position` (metres) and `yaw` (radians), at rest."""
-        for mount in self.task.object_mounts:
-            if mount.kind == "free":
-                at, speed = self._world.free_joint(mount.name)
-                where, turn = stands(mount, position, yaw)
+        for movable in self.task.object_bodies:
+            if movable.kind == "free":
+                at, speed = self._world.free_joint(movable.name)
+                where, turn = stands(movable, position, yaw)
                 self._data.qpos[at : at + 7] = (*where, *turn)
                 self._data.qvel[speed : speed + 6] = 0.0
             else:
                 self._load_state()
-                self._world.place(mount, position, yaw)
-            if mount.joint:
-                at, speed = self._world.hinge_or_slide(mount.joint)
+                self._world.place(movable, position, yaw)
+            if movable.joint:
+                at, speed = self._world.hinge_or_slide(movable.joint)
                 self._data.qpos[at] = self._data.qvel[speed] = 0.0
         self._configuration = replace(self._configuration, object_position=tuple(position), object_yaw=yaw)
 
@@ -201,8 +201,8 @@ class Scene(Readable, gymnasium.Env):
         self._target[:] = position
         self._configuration = replace(self._configuration, target_position=tuple(position))
         self._load_state()
-        for mount in self.task.target_mounts:
-            self._world.place(mount, position, 0.0)
+        for movable in self.task.target_bodies:
+            self._world.place(movable, position, 0.0)
 
     def move_camera(self, angle: float) -> None:
         """Put the camera at `angle` (radians) on its cylinder."""

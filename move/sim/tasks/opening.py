@@ -12,7 +12,7 @@ from move.sim.configuration import Box
 from move.sim.tasks import feasibility
 from move.sim.tasks.ranges import NO_TARGET, SIDE, WIDE_HAND, WRENCH, fixed
 from move.sim.tasks.success import higher, joint_beyond, near
-from move.sim.tasks.task import GraspParameters, Mount, PushParameters, ScriptedPolicy, Task
+from move.sim.tasks.task import GraspParameters, MovableBody, PushParameters, ScriptedPolicy, Task
 from move.sim.tasks.transport import upwards
 
 WINDOW_OPEN = Task(
@@ -23,8 +23,11 @@ WINDOW_OPEN = Task(
     target_range=NO_TARGET,
     hand_range=Box((-0.3, 0.45, 0.2), (0.3, 0.55, 0.4)),
     camera_range=SIDE,
-    object_mounts=(Mount("body", "window", joint="window_slide"), Mount("site", "goal", offset=(0.2, 0.0, 0.0))),
-    target_mounts=(),
+    object_bodies=(
+        MovableBody("body", "window", joint="window_slide"),
+        MovableBody("site", "goal", offset=(0.2, 0.0, 0.0)),
+    ),
+    target_bodies=(),
     object_point="site:handleOpenStart",
     keypoints=("site:handleOpenStart", "body:window", "body:window+0.2,0,0"),
     success=joint_beyond("window_slide", 0.19),  # 5 cm short of 0.24 m
@@ -48,12 +51,12 @@ FAUCET_OPEN = Task(
     target_range=NO_TARGET,
     hand_range=WIDE_HAND,
     camera_range=(-math.pi / 2, math.pi / 2),
-    object_mounts=(
-        Mount("body", "faucetBase", joint="knob_Joint_1"),
-        Mount("site", "goal_open", offset=(0.175, 0.0, 0.125)),
-        Mount("site", "goal_close", offset=(-0.175, 0.0, 0.125)),
+    object_bodies=(
+        MovableBody("body", "faucetBase", joint="knob_Joint_1"),
+        MovableBody("site", "goal_open", offset=(0.175, 0.0, 0.125)),
+        MovableBody("site", "goal_close", offset=(-0.175, 0.0, 0.125)),
     ),
-    target_mounts=(),
+    target_bodies=(),
     object_point="site:handleStartOpen",
     keypoints=("site:handleStartOpen", "body:faucet_link2", "body:faucetBase+0.175,0,0.125"),
     success=near("site:handleStartOpen", "body:faucetBase+0.215,0,0.105", 0.07),
@@ -78,11 +81,11 @@ DISASSEMBLE = Task(
     target_range=NO_TARGET,
     hand_range=WIDE_HAND,
     camera_range=SIDE,
-    object_mounts=(
-        Mount("free", "RoundNut", yaw=math.pi / 2),
-        Mount("body", "peg", offset=(0.0, 0.0, 0.036)),  # the peg rides with the nut
+    object_bodies=(
+        MovableBody("free", "RoundNut", yaw=math.pi / 2),
+        MovableBody("body", "peg", offset=(0.0, 0.0, 0.036)),  # the peg rides with the nut
     ),
-    target_mounts=(),
+    target_bodies=(),
     object_point="site:RoundNut-8",
     keypoints=WRENCH,
     success=higher("site:RoundNut-8", 0.175),

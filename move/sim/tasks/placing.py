@@ -12,7 +12,7 @@ from move.sim.configuration import Box
 from move.sim.tasks import feasibility
 from move.sim.tasks.ranges import HALF_CIRCLE, SIDE, WIDE_HAND, WRENCH, fixed
 from move.sim.tasks.success import around, both, in_hoop, joint_beyond, near, touching
-from move.sim.tasks.task import GraspParameters, Mount, ScriptedPolicy, Task
+from move.sim.tasks.task import GraspParameters, MovableBody, ScriptedPolicy, Task
 from move.sim.tasks.transport import along_table, into_hoop, onto_box, onto_nail, onto_peg, over_wall, straight
 
 PICK_PLACE = Task(
@@ -23,8 +23,8 @@ PICK_PLACE = Task(
     target_range=Box((-0.1, 0.8, 0.05), (0.1, 0.9, 0.3)),
     hand_range=WIDE_HAND,
     camera_range=HALF_CIRCLE,
-    object_mounts=(Mount("free", "obj"),),
-    target_mounts=(Mount("site", "goal"),),
+    object_bodies=(MovableBody("free", "obj"),),
+    target_bodies=(MovableBody("site", "goal"),),
     object_point="body:obj",
     keypoints=("body:obj", "target"),
     success=near("body:obj", "target", 0.07),
@@ -41,8 +41,8 @@ PUSH = Task(
     target_range=Box((-0.1, 0.8, 0.01), (0.1, 0.9, 0.02)),
     hand_range=WIDE_HAND,
     camera_range=SIDE,
-    object_mounts=(Mount("free", "obj"),),
-    target_mounts=(Mount("site", "goal"),),
+    object_bodies=(MovableBody("free", "obj"),),
+    target_bodies=(MovableBody("site", "goal"),),
     object_point="body:obj",
     keypoints=("body:obj", "target"),
     success=near("body:obj", "target", 0.05),
@@ -60,8 +60,8 @@ ASSEMBLY = Task(
     target_range=Box((-0.3, 0.75, 0.1), (0.15, 0.9, 0.1)),  # the top of the peg
     hand_range=WIDE_HAND,
     camera_range=HALF_CIRCLE,
-    object_mounts=(Mount("free", "RoundNut", yaw=math.pi / 2),),
-    target_mounts=(Mount("body", "peg", offset=(0.0, 0.0, -0.05)),),
+    object_bodies=(MovableBody("free", "RoundNut", yaw=math.pi / 2),),
+    target_bodies=(MovableBody("body", "peg", offset=(0.0, 0.0, -0.05)),),
     object_point="site:RoundNut-8",
     keypoints=WRENCH,
     success=around("site:RoundNut", "target", 0.02),
@@ -92,8 +92,8 @@ BOX_CLOSE = Task(
     target_range=Box((-0.25, 0.75, 0.133), (0.25, 0.85, 0.133)),
     hand_range=Box((0.3, 0.5, 0.2), (0.5, 0.6, 0.4)),
     camera_range=HALF_CIRCLE,
-    object_mounts=(Mount("free", "boxbodytop", yaw=math.pi / 2),),
-    target_mounts=(Mount("body", "boxbody", offset=(0.0, 0.0, -0.133)), Mount("site", "goal")),
+    object_bodies=(MovableBody("free", "boxbodytop", yaw=math.pi / 2),),
+    target_bodies=(MovableBody("body", "boxbody", offset=(0.0, 0.0, -0.133)), MovableBody("site", "goal")),
     object_point="body:top_link",
     keypoints=("body:top_link+0,0.05,0.082", "body:top_link+0,-0.05,0.082", "body:boxbody"),  # ends of the lid's handle
     success=near("body:top_link", "target", 0.08),
@@ -120,8 +120,8 @@ HAMMER = Task(
     target_range=Box((-0.24, 0.87, 0.0), (0.24, 0.95, 0.0)),  # the box with the nail
     hand_range=Box((-0.4, 0.4, 0.1), (0.4, 0.6, 0.4)),
     camera_range=HALF_CIRCLE,
-    object_mounts=(Mount("free", "hammerbody"),),
-    target_mounts=(Mount("body", "box"),),
+    object_bodies=(MovableBody("free", "hammerbody"),),
+    target_bodies=(MovableBody("body", "box"),),
     object_point="body:hammer",
     keypoints=("body:hammer", "geom:HammerHead", "body:nail_link", "body:box"),
     success=joint_beyond("NailSlideJoint", 0.09),
@@ -154,8 +154,8 @@ PICK_PLACE_WALL = Task(
     target_range=Box((-0.1, 0.8, 0.05), (0.1, 0.9, 0.3)),
     hand_range=WIDE_HAND,
     camera_range=HALF_CIRCLE,
-    object_mounts=(Mount("free", "obj"),),
-    target_mounts=(Mount("site", "goal"),),
+    object_bodies=(MovableBody("free", "obj"),),
+    target_bodies=(MovableBody("site", "goal"),),
     object_point="body:obj",
     keypoints=("body:obj", "target", "body:wall"),
     success=near("body:obj", "target", 0.07),
@@ -172,8 +172,8 @@ BASKETBALL = Task(
     target_range=Box((-0.3, 0.8, 0.0), (0.3, 0.9, 0.0)),  # the stand of the basket
     hand_range=WIDE_HAND,
     camera_range=SIDE,
-    object_mounts=(Mount("free", "bsktball"),),
-    target_mounts=(Mount("body", "basket_goal"),),
+    object_bodies=(MovableBody("free", "bsktball"),),
+    target_bodies=(MovableBody("body", "basket_goal"),),
     object_point="body:bsktball",
     keypoints=("body:bsktball", "body:hooplink"),
     success=in_hoop("body:bsktball", "body:hooplink", height=0.3, distance=0.08),

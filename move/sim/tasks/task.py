@@ -29,8 +29,8 @@ MAX_CANDIDATES = 1000
 
 
 @dataclass(frozen=True)
-class Mount:
-    """One MuJoCo element that is written when the object or the target moves.
+class MovableBody:
+    """One MuJoCo body or site that is written when the object or the target moves.
 
     `kind` is "free" (a body with a free joint), "body" (a body fixed in the world) or "site" (one of the world's);
     `offset` in metres is turned with the object and added to the position; `yaw` in radians is the stock orientation;
@@ -95,8 +95,8 @@ class Task:
     target_range: Box
     hand_range: Box
     camera_range: tuple[float, float]
-    object_mounts: tuple[Mount, ...]  # the first is the object's own body
-    target_mounts: tuple[Mount, ...]
+    object_bodies: tuple[MovableBody, ...]  # the first is the object's own body
+    target_bodies: tuple[MovableBody, ...]
     object_point: str  # the point that experts, motions and keypoints mean by "the object"
     keypoints: tuple[str, ...]  # after fingers and hand; names as in Scene.point
     success: Success
@@ -127,7 +127,7 @@ class Task:
     @property
     def has_target(self) -> bool:
         """Whether there is a target apart from the object."""
-        return bool(self.target_mounts)
+        return bool(self.target_bodies)
 
     @property
     def has_yaw(self) -> bool:
