@@ -12,7 +12,7 @@ from move.report.style import NAMES
 from move.sim.collect import METHODS
 from move.sim.configuration import Disc
 from move.sim.tasks import TASKS
-from move.sim.tasks.task import kept_share
+from move.sim.tasks.task import acceptance_rate
 from move.study.experiments import recipe_change
 from move.study.profiles import load_profile
 from move.study.results import Result
@@ -385,7 +385,7 @@ def kept_shares(rng: np.random.Generator, configurations: int = 1000) -> pd.Data
 
     The same filter serves static starts, ADC's jumps, MOVE's motions and evaluation.
     """
-    return pd.DataFrame([{"task": name, "kept_share": kept_share(task, rng, configurations)}
+    return pd.DataFrame([{"task": name, "kept_share": acceptance_rate(task, rng, configurations)}
                          for name, task in TASKS.items()])
 
 
