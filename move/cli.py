@@ -10,15 +10,18 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated, Any, Optional
+from typing import TYPE_CHECKING, Annotated, Any, Optional
 
 import typer
-from pydantic import BaseModel, ValidationError
 from rich.console import Console
 from rich.table import Table
 from typer._click.exceptions import ClickException  # typer's own copy of click, whose usage errors these are
 
 from move.errors import BadInput
+
+if TYPE_CHECKING:
+    from move.study.profiles import Profile
+    from move.study.spec import RunSpec
 
 app = typer.Typer(add_completion=False, no_args_is_help=True, rich_markup_mode=None, pretty_exceptions_enable=False,
                   help="MOVE, reproduced: collect demonstrations, train policies, evaluate them, rebuild the paper.")
@@ -43,16 +46,6 @@ def show(content: dict[str, Any] | list[dict[str, Any]], as_json: bool, title: s
     for record in content:
         table.add_row(*(f"{value:.4g}" if isinstance(value, float) else str(value) for value in record.values()))
     Console(width=None if sys.stdout.isatty() else 140).print(table)
-
-
-def settings(model: type[BaseModel], **values: Any) -> Any:
-    """Build `model` from command-line values; what pydantic refuses becomes one line of BadInput."""
-    from move.study.profiles import first_problem
-
-    try:
-        return model(**values)
-    except ValidationError as error:
-        raise BadInput(first_problem(error)) from error
 
 
 @contextmanager
@@ -84,8 +77,9 @@ def collect(
     from move import paths
     from move.learn import dataset
     from move.sim import collect as collecting
+    from move.study.validation import build
 
-    chosen = settings(collecting.Collection, task=task, method=method, timesteps=timesteps, observation=observation,
+    chosen = build(collecting.Collection, task=task, method=method, timesteps=timesteps, observation=observation,
                       image_size=image_size, factors=factors, protocol=protocol, expert=expert)
     path = out or paths.BUILD / "data" / f"{task}-{method}-{protocol}-{observation}-{timesteps}-{seed}.zarr"
     with progress("collect") as report:
@@ -128,6 +122,7 @@ def train(
     from move.learn import train as training
     from move.learn.settings import Training
     from move.study.profiles import load_profile
+    from move.study.validation import build
 
     demonstrations, _ = dataset.load(data, clip_actions)
     observation = "rgb" if demonstrations.has_images else "keypoints"
@@ -135,7 +130,7 @@ def train(
     if gradient_steps is not None:
         recipe |= {"gradient_steps": gradient_steps, "warmup_steps": min(recipe["warmup_steps"], gradient_steps // 2)}
     with progress("train") as report:
-        _, trained = training.train(demonstrations, settings(Training, **recipe), seed, checkpoint=out, on_step=report)
+        _, trained = training.train(demonstrations, build(Training, **recipe), seed, checkpoint=out, on_step=report)
     show({"checkpoint": str(out), "gradient_steps": recipe["gradient_steps"], "loss": trained.curve[-1][1],
           "seconds": trained.seconds, "precision": trained.precision, "parameters": trained.parameters}, as_json,
          "Policy")
@@ -160,10 +155,11 @@ def evaluate(
     from move.learn.checkpoint import load_policy
     from move.sim.tasks import FACTORS, get_task
     from move.study.statistics import success_rate
+    from move.study.validation import build
 
     if factors not in FACTORS:
         raise BadInput(f"factors: {factors!r} given; allowed are {', '.join(FACTORS)}")
-    plan = settings(evaluating.Evaluation, layout=layout, episodes=episodes, factors=factors)
+    plan = build(evaluating.Evaluation, layout=layout, episodes=episodes, factors=factors)
     if player not in ("policy", *agents.CONTROLS):
         raise BadInput(f"player: {player!r} given; allowed are policy, {', '.join(agents.CONTROLS)}")
     if player == "policy" and checkpoint is None:
@@ -180,7 +176,7 @@ def evaluate(
     show(content | ({"rows": rows} if as_json else {}), as_json, "Evaluation (95 % Wilson interval)")
 
 
-def chosen_specs(profile: str, figures: list[str] | None) -> dict[str, list]:
+def chosen_specs(profile: Profile, figures: list[str] | None) -> dict[str, list[RunSpec]]:
     """The specs of the figures asked for, or of all, by figure."""
     from move.study import experiments
 
@@ -199,9 +195,11 @@ def run(
     """Compute the runs that are missing; what exists is reused, what was interrupted goes on."""
     from move import paths
     from move.study.execute import execute
+    from move.study.profiles import load_profile
 
-    specs = [spec for listed in chosen_specs(profile, figure).values() for spec in listed]
-    there, missing = execute(specs, results or paths.results(profile), cluster, workers, quiet=not sys.stderr.isatty())
+    chosen = load_profile(profile)
+    specs = [spec for listed in chosen_specs(chosen, figure).values() for spec in listed]
+    there, missing = execute(specs, results or paths.results(chosen), cluster, workers, quiet=not sys.stderr.isatty())
     problems = [{"hash": spec.hash, "run": spec.label, "why": why} for spec, why in missing]
     if as_json:
         show({"profile": profile, "stored": len(there), "missing": problems}, True, "")
@@ -217,9 +215,11 @@ def run(
 def plan(profile: ProfileName = "laptop", figure: Figure = None, as_json: Json = False) -> None:
     """Show what would run, how long it would take and why, without running anything."""
     from move.study.plan import plan_rows, plan_title
+    from move.study.profiles import load_profile
 
-    rows = plan_rows(profile, chosen_specs(profile, figure))
-    show(rows, as_json, plan_title(profile))
+    chosen = load_profile(profile)
+    rows = plan_rows(chosen, chosen_specs(chosen, figure))
+    show(rows, as_json, plan_title(chosen))
 
 
 @app.command()
@@ -236,16 +236,18 @@ def verify(
 
     from move import paths
     from move.study import verify as verifying
+    from move.study.profiles import load_profile
 
+    chosen = load_profile(profile)
     if every:
-        rows = verifying.check_files(paths.results(profile))
+        rows = verifying.check_files(paths.results(chosen))
         shown = [row for row in rows if not row["same"]] or [{"files": len(rows), "same": "all"}]
         show(rows if as_json else shown, as_json, "Checked")
     else:
         seed = int(np.random.SeedSequence().generate_state(1)[0]) if seed is None else seed
         typer.echo(f"verify: --seed {seed} draws this sample again", err=True)
-        specs = [spec for listed in chosen_specs(profile, figure).values() for spec in listed]
-        rows = verifying.verify(specs, paths.results(profile), sample, np.random.default_rng(seed))
+        specs = [spec for listed in chosen_specs(chosen, figure).values() for spec in listed]
+        rows = verifying.verify(specs, paths.results(chosen), sample, np.random.default_rng(seed))
         show(rows, as_json, "Recomputed")
     if not all(row["same"] for row in rows):
         raise typer.Exit(1)
@@ -262,20 +264,21 @@ def figure(
     """Execute notebooks, which run what is missing and write their figures and tables."""
     from move import paths
     from move.report import notebooks
+    from move.study.profiles import load_profile
 
-    changes = dict(_assignment(text) for text in parameter or [])
-    names = names or notebooks.of_profile(profile)
+    chosen, changes = load_profile(profile), dict(_assignment(text) for text in parameter or [])
+    names = names or notebooks.of_profile(chosen)
     for name in names:  # all of them are checked before the first one runs
-        notebooks.notebook_parameters(name, profile, changes)
+        notebooks.notebook_parameters(name, chosen, changes)
     rows = []
     for name in names:
         typer.echo(f"notebook {name} ({profile}) ...", err=True)
         try:
-            executed = notebooks.run_notebook(name, profile, changes, stored_only)
+            executed = notebooks.run_notebook(name, chosen, changes, stored_only)
         except notebooks.NotebookFailed as failure:
             typer.echo(f"move: {failure}", err=True)
             raise typer.Exit(1) from failure
-        rows.append({"notebook": name, "executed": str(executed), "written_to": str(paths.figures(profile))})
+        rows.append({"notebook": name, "executed": str(executed), "written_to": str(paths.figures(chosen))})
     show(rows, as_json, "Notebooks")
 
 

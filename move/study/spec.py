@@ -59,6 +59,11 @@ class RunSpec(BaseModel):
         return self.model_copy(update={"evaluation": Evaluation()}).hash
 
     @property
+    def kind(self) -> str:
+        """Whether the run has a "policy", is a "control", or counts attempts of a "collector"."""
+        return self.player if self.player in ("policy", "collector") else "control"
+
+    @property
     def observation(self) -> str:
         """What the player sees: "keypoints", "rgb", or "none" for a control."""
         return self.collection.observation if self.collection else "none"
