@@ -150,11 +150,11 @@ def evaluate(
     """Evaluate a policy, or a control, on the fixed configurations of a task."""
     import numpy as np
 
+    from move.intervals import wilson_interval
     from move.learn import agents
     from move.learn import evaluate as evaluating
     from move.learn.checkpoint import load_policy
     from move.sim.tasks import FACTORS, get_task
-    from move.study.statistics import success_rate
     from move.study.validation import build
 
     if factors not in FACTORS:
@@ -170,9 +170,10 @@ def evaluate(
     with progress("evaluate") as report:
         rows = evaluating.evaluate(who, get_task(task), plan, "rgb" if image else "keypoints",
                                    policy.observation_shape[0] if image else 96, report)
-    rate = success_rate(np.array([[row["success"] for row in rows]]))
-    content = {"player": player, "task": task, "episodes": len(rows), "success_rate": rate.value, "low": rate.low,
-               "high": rate.high, "mean_steps": float(np.mean([row["steps"] for row in rows]))}
+    rate = float(np.mean([row["success"] for row in rows]))
+    low, high = wilson_interval(rate, len(rows))
+    content = {"player": player, "task": task, "episodes": len(rows), "success_rate": rate, "low": low,
+               "high": high, "mean_steps": float(np.mean([row["steps"] for row in rows]))}
     show(content | ({"rows": rows} if as_json else {}), as_json, "Evaluation (95 % Wilson interval)")
 
 

@@ -73,6 +73,24 @@ def test_scaling_draws_each_methods_line_through_its_points():
     assert len(ax.get_lines()) == len(ax.collections) == 3
 
 
+def test_lengths_draws_each_method_at_its_rates():
+    table = pd.concat([rows(length=length) for length in (0.333, 1.0, 3.0)])
+    ax = draw(plots.lengths, table[table.method != "adc"])
+    drawn = {container.get_label(): (to_hex(container[0].get_color()), set(container[0].get_ydata()))
+             for container in ax.containers}
+    assert drawn == {NAME[name]: (COLOUR[name], {VALUE[name]}) for name in ("static", "move")}
+    assert [label.get_text() for label in ax.get_xticklabels()] == ["0.33", "1", "3"]
+
+
+def test_the_readings_of_one_method_have_colours_that_no_method_has():
+    table = pd.concat([rows(task="push", jumping=name).query("method == 'adc'") for name in plots.READINGS])
+    ax = draw(plots.readings, table, "jumping")
+    drawn = {container.get_label(): to_hex(container[0].get_color()) for container in ax.containers}
+    assert drawn == {name: colour.lower() for name, colour in plots.READINGS.items()}
+    assert not set(drawn.values()) & set(COLOUR.values())
+    assert all(container[0].get_ydata()[0] == VALUE["adc"] for container in ax.containers)
+
+
 def test_task_rates_stand_under_their_tasks_between_floor_and_ceiling():
     controls = pd.DataFrame({"expert": [1.0], "goal-blind": [0.3]}, index=["push"])
     ax = draw(plots.task_rates, rows(task="push"), controls)
@@ -135,4 +153,4 @@ def test_every_plot_of_methods_stands_in_this_file():
     public = {name for name, plot in vars(plots).items()
               if getattr(plot, "__module__", "") == plots.__name__ and not name.startswith("_")}
     assert public == {"rates", "grouped_rates", "gaps", "scaling", "task_rates", "own_and_elsewhere", "changes",
-                      "costs", "coverage"} | {"heatmap", "grasps", "circle", "level", "picture"}
+                      "costs", "coverage", "lengths", "readings"} | {"heatmap", "grasps", "circle", "level", "picture"}

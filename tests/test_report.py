@@ -32,62 +32,40 @@ def episodes(rates: dict[str, float], seeds: int = 3, trials: int = 16) -> pd.Da
     ])
 
 
-def test_wilson_intervals_are_the_textbook_ones():
-    for successes, trials, low, high in ((8, 20, 0.22, 0.61), (40, 100, 0.31, 0.50)):
-        rate = statistics.success_rate(np.array([[1] * successes + [0] * (trials - successes)]))
-        assert (rate.low, rate.high) == pytest.approx((low, high), abs=0.005)
-
-
-@pytest.mark.parametrize("outcome", [0, 1])
-def test_an_interval_always_holds_its_rate(outcome):
-    for trials in range(1, 60):
-        rate = statistics.success_rate(np.full((3, trials), outcome))
-        assert 0 <= rate.low <= rate.value <= rate.high <= 1
-
-
-def test_seeds_that_disagree_widen_the_interval():
-    agree = np.array([[1] * 10 + [0] * 10] * 4)
-    disagree = np.array([[1] * 20, [1] * 20, [0] * 20, [0] * 20])
-    assert statistics.design_effect(agree) == 1.0 < statistics.design_effect(disagree)
-    narrow, wide = statistics.success_rate(agree), statistics.success_rate(disagree)
-    assert narrow.value == wide.value and wide.high - wide.low > 2 * (narrow.high - narrow.low)
-
-
-def test_the_interval_covers_the_truth_when_seeds_vary():
-    """A seed's own rate is Beta distributed around the truth; 5 seeds of 100 episodes, 95 % wanted."""
-    rng = np.random.default_rng(1)
-    truth, covered = 0.4, 0
-    for _ in range(400):
-        per_seed = rng.beta(truth * 60, (1 - truth) * 60, size=5)
-        rate = statistics.success_rate(rng.random((5, 100)) < per_seed[:, None])
-        covered += rate.low <= truth <= rate.high
-    assert covered / 400 >= 0.85
-
-
-def test_the_difference_is_paired_and_covers_the_truth():
-    rng = np.random.default_rng(2)
-    difficulty = rng.random(100)
-    first, second = (rng.random((3, 100)) < np.clip(difficulty + shift, 0, 1) for shift in (0.2, 0.0))
-    value, low, high = statistics.difference(first, second, np.random.default_rng(0))
-    assert value == pytest.approx(first.mean() - second.mean()) and 0 < low < value < high
-    same = statistics.difference(first, first, np.random.default_rng(0))
-    assert same[0] == 0 and same[1] <= 0 <= same[2]
-    with pytest.raises(ValueError, match="same"):
-        statistics.difference(first, second[:, :50], np.random.default_rng(0))
-
-
-def test_no_episode_is_no_rate():
-    with pytest.raises(ValueError, match="no episode"):
-        statistics.success_rate(np.empty((0, 5)))
-
-
 def test_the_rate_table_counts_each_seed():
     table = tables.rate_table(episodes({"static": 0.2, "move": 0.8}), ["method"])
     raw = episodes({"static": 0.2, "move": 0.8}).groupby(["method", "seed"], sort=False).success.mean()
     assert table.method.tolist() == ["static", "move"]
     for row in table.itertuples():
         assert row.seeds == pytest.approx(raw[row.method].tolist(), abs=1e-4)
-        assert row.low <= row.value <= row.high and row.episodes == 48
+        assert row.low <= row.value <= row.high and row.episodes == 48 and row.trainings == "own"
+
+
+def test_one_seed_is_judged_by_the_noise_of_cells_with_several_and_an_agent_without_training_by_none():
+    several, one = episodes({"static": 0.5}, seeds=4, trials=64), episodes({"move": 0.5, "expert": 0.5}, 1, trials=64)
+    several["success"] ^= (several.seed == 0) & (several.trial % 2 == 0)  # a training that is unlike the others
+    table = tables.rate_table(pd.concat([several, one]), ["method"]).set_index("method")
+    alone = tables.rate_table(one, ["method"]).set_index("method")
+    assert table.trainings.to_dict() == {"static": "own", "move": "pooled", "expert": "none"}
+    assert alone.trainings.to_dict() == {"move": "unknown", "expert": "none"}
+    assert table.low["move"] < alone.low["move"] and table.low["expert"] == alone.low["expert"]
+
+
+def test_words_hold_after_holm():
+    items = [three_methods(name, 0.2).assign(task=name) for name in "abcdefghij"]
+    gaps = tables.gap_table(pd.concat(items), "task", ("static",)).assign(low=0.01, high=0.3, gap=0.15, p=0.03)
+    gaps["holm"] = statistics.holm(gaps.p)
+    assert "not distinguishable" in tables.spoken_gap(gaps.iloc[0])
+    assert "above static on 0 of 10" in tables.spoken_gaps(gaps, tables.gap_means(pd.concat(items), "task"))
+
+
+def test_the_table_over_tasks_has_the_task_as_its_unit():
+    both = pd.concat([three_methods(task, 0.9) for task in ("push", "hammer", "assembly", "basketball")])
+    table = tables.tasks_table(both).set_index("than")
+    assert table.tasks.tolist() == [4, 4] and table.loc["static"].improvement == 1.0
+    assert table.loc["static"].p_value == pytest.approx(2 / 2**4)
+    assert "p = 0.125" in tables.spoken_tasks(table.reset_index())
+    assert tables.tasks_table(both[both.task == "push"]).empty
 
 
 def test_methods_always_have_the_same_three_colours():
@@ -233,11 +211,35 @@ def test_the_papers_gap_stands_beside_ours_on_the_same_items():
     assert table.paper.tolist() == pytest.approx([0.410 - 0.163, 0.309 - 0.156])
 
 
-def test_the_interval_of_the_mean_is_narrower_than_that_of_one_item():
-    rng = np.random.default_rng(0)
-    pairs = [(rng.random((1, 100)) < 0.5, rng.random((1, 100)) < 0.3) for _ in range(9)]
-    one, mean = statistics.difference(*pairs[0], rng), statistics.mean_difference(pairs, rng)
-    assert (mean[2] - mean[1]) == pytest.approx((one[2] - one[1]) / 3, rel=0.25)
+def test_whether_the_length_of_training_matters_is_the_change_of_the_difference():
+    def cells(length, move):
+        return episodes({"static": 0.3, "move": move}, seeds=2, trials=100).assign(length=length)
+
+    both = pd.concat([pd.concat([cells(1 / 3, 0.3), cells(3.0, late)]).assign(task=task)
+                      for task, late in (("push", 0.9), ("hammer", 0.3))])
+    table = tables.length_matters(both).set_index("task")
+    grid = both.groupby(["task", "length", "method"]).success.mean()
+    for task in ("push", "hammer"):
+        change = [grid[task, length, "move"] - grid[task, length, "static"] for length in (3.0, 1 / 3)]
+        assert table.gap[task] == pytest.approx(change[0] - change[1])
+    assert table.holm["push"] < 0.05 < table.holm["hammer"]
+    assert table.gap["mean of 2"] == pytest.approx(table.gap[:2].mean())
+
+
+def test_the_length_of_a_training_is_told_in_the_recipes_own_steps():
+    profile = load_profile("laptop")
+    for run in experiments.runs("fig_training_length", profile):
+        recipe = profile.recipe("rgb", run.spec.collection.timesteps)
+        assert run.spec.training.gradient_steps / recipe.gradient_steps == pytest.approx(run.labels["length"], abs=1e-3)
+
+
+def test_two_readings_are_compared_on_the_tasks_that_have_both():
+    one = episodes({"adc": 0.9}, trials=64).assign(jumping="mended")
+    other = episodes({"adc": 0.2}, trials=64).assign(jumping="as printed")
+    both = pd.concat([one.assign(task="push"), other.assign(task="push"), one.assign(task="hammer")])
+    gap = tables.reading_gap(both, "jumping", "mended", "as printed")
+    assert gap["items"] == 1 and gap.gap == pytest.approx(one.success.mean() - other.success.mean()) and gap.low > 0
+    assert tables.reading_gap(both, "jumping", "periodic", "mended").empty
 
 
 def test_a_method_that_is_missing_leaves_no_gap():

@@ -1,20 +1,171 @@
-"""The difference of two methods is paired: configurations are resampled for both alike."""
+"""Intervals cover as often as they say, count configurations once, and know that another training differs."""
 
 import numpy as np
+import pytest
+from scipy.special import expit
 
 from move.study import statistics
+from move.study.statistics import difference, holm, mean_difference, over_tasks, pooled_noise, success_rate
+
+DRAWS = 4000
 
 
-def widths(first: np.ndarray, second: np.ndarray) -> float:
-    _, low, high = statistics.difference(first, second, np.random.default_rng(0))
-    return high - low
+def world(rng, rate, deviation, seeds, configurations, hard):
+    """Outcomes and the rate that all trainings at all configurations would have; `deviation` is the trainings' SD.
+
+    Configurations differ in difficulty by 1.5 logits; a training shifts all of them alike.
+    """
+    centre, slope = logits(rate, deviation)
+    trained = centre + slope * rng.standard_normal((seeds, 1))
+    return rng.random((seeds, configurations)) < expit(trained + 1.5 * hard)
+
+
+_NODES, _WEIGHTS = np.polynomial.hermite_e.hermegauss(31)
+_WEIGHTS = _WEIGHTS / _WEIGHTS.sum()
+
+
+def moments(centre, slope):
+    """Mean over configurations and trainings, and SD over trainings of the mean over configurations."""
+    over = expit(centre + slope * _NODES[:, None] + 1.5 * _NODES[None]) @ _WEIGHTS
+    mean = _WEIGHTS @ over
+    return mean, np.sqrt(_WEIGHTS @ (over - mean) ** 2)
+
+
+_solved: dict[tuple[float, float], tuple[float, float]] = {}
+
+
+def logits(rate, deviation):
+    if (rate, deviation) not in _solved:
+        centre, slope = 0.0, 0.0
+        for _ in range(200):
+            mean, spread = moments(centre, slope)
+            centre += 4 * (rate - mean)
+            slope = max(0.0, slope + 4 * (deviation - spread))
+        assert np.allclose(moments(centre, slope), (rate, deviation), atol=2e-3)
+        _solved[rate, deviation] = centre, slope
+    return _solved[rate, deviation]
+
+
+def like_cells(rng, rate, deviation, configurations):
+    """The noise that ten other cells of three seeds tell, as a table with more seeds elsewhere would."""
+    return pooled_noise(world(rng, rate, deviation, 3, configurations, rng.standard_normal(configurations))
+                        for _ in range(10))
+
+
+CASES = [(seeds, deviation, rate) for seeds in (1, 3, 5) for deviation, rate in ((0.03, 0.9), (0.08, 0.5), (0.2, 0.4))]
+
+
+@pytest.mark.parametrize(("seeds", "deviation", "rate"), CASES)
+def test_a_rates_interval_covers_as_often_as_it_says(seeds, deviation, rate):
+    rng, covered = np.random.default_rng([seeds, int(100 * deviation)]), 0
+    for draw in range(DRAWS):
+        cell = world(rng, rate, deviation, seeds, 100, rng.standard_normal(100))
+        if draw % 10 == 0:
+            pooled = like_cells(rng, rate, deviation, 100)
+        found = success_rate(cell, pooled)
+        covered += found.low <= rate <= found.high
+    assert 0.93 <= covered / DRAWS <= 0.97
+
+
+@pytest.mark.parametrize(("seeds", "deviation", "rate"), CASES)
+def test_a_differences_interval_covers_as_often_as_it_says(seeds, deviation, rate):
+    rng, covered, other = np.random.default_rng([seeds, int(100 * deviation), 1]), 0, rate - 0.1
+    for draw in range(DRAWS):
+        hard = rng.standard_normal(100)
+        cells = [world(rng, value, deviation, seeds, 100, hard) for value in (rate, other)]
+        if draw % 10 == 0:
+            pooled = like_cells(rng, rate, deviation, 100)
+        found = difference(*cells, pooled)
+        covered += found.low <= rate - other <= found.high
+    assert 0.93 <= covered / DRAWS <= 0.97
+
+
+@pytest.mark.parametrize("seeds", [1, 3])
+def test_a_configuration_tried_by_several_seeds_counts_once(seeds):
+    outcomes = np.arange(40) < 26  # no training noise at all: every seed succeeds at the same configurations
+    once, again = success_rate(outcomes[None]), success_rate(np.repeat(outcomes[None], seeds, axis=0))
+    assert again.high - again.low >= 0.95 * (once.high - once.low)
+    assert again.episodes == 40 * seeds
+
+
+def test_one_training_is_not_certain_once_others_are_known_to_differ():
+    cell = np.arange(100)[None] < 70
+    noisy = pooled_noise([np.repeat([[1] * 50 + [0] * 50, [1] * 90 + [0] * 10], 2, axis=0)])
+    alone, among = success_rate(cell), success_rate(cell, noisy)
+    assert (alone.trainings, among.trainings) == ("unknown", "pooled")
+    assert among.high - among.low > 2 * (alone.high - alone.low)
+
+
+def test_pooled_noise_is_the_variance_that_trainings_have():
+    rng = np.random.default_rng(5)
+    cells = [world(rng, 0.5, 0.1, 3, 100, rng.standard_normal(100)) for _ in range(400)]
+    noise = pooled_noise([*cells, cells[0][:1]])
+    assert noise.degrees == 800 and noise.deviation == pytest.approx(0.1, abs=0.01)
+    assert pooled_noise([cells[0][:1]]) == statistics.UNKNOWN
 
 
 def test_pairing_makes_the_interval_narrow_where_configurations_decide_and_not_where_they_do_not():
+    def width(first, second):
+        found = difference(first, second)
+        return found.high - found.low
+
     rng = np.random.default_rng(3)
     hard = rng.random((1, 200)) < 0.5
     first = hard ^ (rng.random((1, 200)) < 0.03)  # nearly the same configurations fail
     shuffled = first[:, rng.permutation(200)]  # the same rate, other configurations
-    together, apart = widths(first, hard), widths(shuffled, hard)
+    together, apart = width(first, hard), width(shuffled, hard)
     unpaired = 2 * 1.96 * np.sqrt(2 * 0.25 / 200)
     assert together < 0.45 * unpaired and 0.8 * unpaired < apart < 1.2 * unpaired
+
+
+@pytest.mark.parametrize("seeds", [1, 3])
+@pytest.mark.parametrize("outcome", [0, 1])
+def test_no_interval_has_zero_width_nor_leaves_what_is_possible(seeds, outcome):
+    same = np.full((seeds, 50), outcome)
+    rate, none = success_rate(same), difference(same, same)
+    assert 0 <= rate.low <= outcome <= rate.high <= 1 and rate.high - rate.low > 0.01
+    assert none.low < 0 < none.high and none.p_value == pytest.approx(1)
+    assert difference(same, 1 - same).high <= 1 and difference(same, 1 - same).low >= -1
+
+
+def test_a_difference_needs_the_same_configurations():
+    with pytest.raises(ValueError, match="20 and 21 configurations"):
+        difference(np.ones((1, 20)), np.ones((1, 21)))
+    with pytest.raises(ValueError, match="no episode"):
+        success_rate(np.ones((1, 0)))
+
+
+def test_the_mean_over_tasks_is_better_known_than_each_of_them():
+    rng = np.random.default_rng(2)
+    pairs = [(rng.random((1, 100)) < 0.6, rng.random((1, 100)) < 0.5) for _ in range(10)]
+    each, mean = [difference(*pair) for pair in pairs], mean_difference(pairs)
+    assert mean.value == pytest.approx(np.mean([one.value for one in each]))
+    assert mean.high - mean.low == pytest.approx(np.mean([one.high - one.low for one in each]) / np.sqrt(10), rel=0.1)
+    assert mean.p_value < 0.01
+
+
+def tasks_with(*differences):
+    """One pair of cells a task, 1 seed of 100 configurations, with those differences of percentage points."""
+    return [(np.arange(100)[None] < 50 + points, np.arange(100)[None] < 50) for points in differences]
+
+
+def test_over_tasks_gives_what_can_be_computed_by_hand():
+    found = over_tasks(tasks_with(10, 20, 30, 40, 0, -10, 5, 5, 15, 25))
+    assert found.mean_difference == pytest.approx(0.14) and found.tasks == 10
+    assert found.iqm_second == pytest.approx(0.5)
+    assert found.iqm_first == pytest.approx(0.5 + np.mean([5, 5, 10, 15, 20, 25]) / 100)
+    assert found.improvement == pytest.approx(0.85)  # eight above, one below, one alike
+    assert found.low < 0.14 < found.high and found.iqm_low < found.iqm_first - 0.5 < found.iqm_high
+    assert found.improvement_low < 0.85 < found.improvement_high
+
+
+def test_the_test_over_tasks_flips_signs_and_is_exact():
+    assert over_tasks(tasks_with(*[10] * 10)).p_value == pytest.approx(2 / 2**10)
+    assert over_tasks(tasks_with(10, -10, 10, -10)).p_value == pytest.approx(1)
+    with pytest.raises(ValueError, match="2 tasks given"):
+        over_tasks(tasks_with(1, 2))
+
+
+def test_holm_makes_the_smallest_of_ten_ten_times_as_large():
+    adjusted = holm([0.004, *[0.5] * 9])
+    assert adjusted[0] == pytest.approx(0.04) and (adjusted[1:] == 1).all()

@@ -18,6 +18,7 @@ from move.learn.train import train
 from move.report import notebooks, page
 from move.sim.collect import Collection, collect
 from move.sim.configuration import SpatialConfiguration
+from move.sim.motion.adc import MENDED, Jumping
 from move.sim.scene.scene import EPISODE_STEPS, Scene
 from move.sim.tasks import get_task
 from move.study import execute, experiments, policies, profiles, results, run
@@ -83,6 +84,9 @@ def test_methods_of_a_figure_differ_in_nothing_but_the_method():
                 if spec.collection:
                     rest = spec.model_dump(mode="json")
                     method = rest["collection"].pop("method")
+                    jumping = rest["collection"].pop("jumping")  # the others have none
+                    usual = MENDED if method == "adc" else Jumping()
+                    assert name == "table_adc" or jumping == usual.model_dump()
                     groups.setdefault(json.dumps(rest, sort_keys=True), set()).add(method)
             assert len({frozenset(methods) for methods in groups.values()}) <= 1  # 0 where a profile has no such runs
 
@@ -484,7 +488,7 @@ def test_a_profile_leaves_the_notebooks_out_that_have_nothing_to_show_in_it():
     assert set(notebooks.of_profile(load_profile("laptop"))) == set(notebooks.names())
     assert set(notebooks.names()) - set(notebooks.of_profile(load_profile("paper"))) == {"table_recipe"}
     left_out = set(notebooks.names()) - set(notebooks.of_profile(load_profile("laptop-keypoints")))
-    assert left_out == {"table_recipe", "generalization"}
+    assert left_out == {"table_recipe", "generalization", "fig_training_length"}
     with pytest.raises(BadInput, match="profile paper: has no runs of this figure"):
         page.gather([], load_profile("paper"))
 

@@ -11,11 +11,14 @@ from matplotlib.figure import Figure
 from move import paths
 from move.errors import BadInput
 from move.report import style
+from move.report.tables import training_noise
 from move.study.execute import execute
+from move.study.experiments import table2_main, table_keypoint_control
 from move.study.labels import LabelledRun
 from move.study.profiles import Profile
 from move.study.results import Result, split, table
 from move.study.spec import RunSpec
+from move.study.statistics import UNKNOWN, TrainingNoise
 
 
 @dataclass(frozen=True)
@@ -61,6 +64,17 @@ def gather(runs: list[LabelledRun], profile: Profile) -> Gathered:
     stored = {result.spec.hash: result for result in there}
     results = [replace(stored[run.spec.hash], labels=run.labels) for run in runs if run.spec.hash in stored]
     return Gathered(profile, results, table(results), missing)
+
+
+def known_noise(profile: Profile, observation: str) -> TrainingNoise:
+    """How much a rate varies from training to training, from the profile's stored runs with everything random.
+
+    For a cell that has fewer than three seeds itself: from pixels all seeds of table 2 that are stored, from keypoints
+    those of its control at the smaller budget. Nothing is known where no cell has two.
+    """
+    runs = table2_main(profile, seeds=3, control_seeds=0) if observation == "rgb" else table_keypoint_control(profile)
+    episodes = table(split([run.spec for run in runs if run.spec.training], paths.results(profile))[0])
+    return training_noise(episodes, ["task", "method", "timesteps", "jumping"]) if len(episodes) else UNKNOWN
 
 
 def publish(name: str, figure: Figure | None, tables: dict[str, pd.DataFrame], gathered: Gathered) -> None:

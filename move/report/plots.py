@@ -134,6 +134,23 @@ def scaling(table: pd.DataFrame, ax: Axes) -> None:
     ax.set(xlabel="timesteps of demonstrations", ylabel="success rate", ylim=(0, 1.02))
 
 
+def lengths(table: pd.DataFrame, ax: Axes) -> None:
+    """Success rate against how long one trains, one line a method, bars for the 95 % interval.
+
+    Args:
+        table: method, length (gradient steps over the recipe's), value, low, high.
+    """
+    for (method, rows), shift in zip(table.groupby("method", sort=False), (0.97, 1.03), strict=False):
+        rows = rows.sort_values("length")
+        ax.errorbar(rows.length * shift, rows.value, [rows.value - rows.low, rows.high - rows.value], fmt="o-", ms=3.5,
+                    lw=1.2, capsize=1.5, color=COLOURS[method], label=NAMES[method])
+    ticks = sorted(table.length.unique())
+    ax.set_xscale("log")
+    ax.set_xticks(ticks, [f"{tick:.2g}" for tick in ticks])
+    ax.minorticks_off()
+    ax.set(xlabel="gradient steps / the recipe's", ylabel="success rate", ylim=(-0.03, 1.03))
+
+
 def level(value: float, label: str, ax: Axes, style: str = "--") -> None:
     """A labelled horizontal line: a floor, a ceiling or a value of the paper."""
     ax.axhline(value, color="#666666", lw=0.9, ls=style)
@@ -165,6 +182,24 @@ def task_rates(table: pd.DataFrame, controls: pd.DataFrame, ax: Axes) -> None:
         if name in controls:
             ax.hlines(controls[name].reindex(tasks), np.arange(len(tasks)) - 0.4, np.arange(len(tasks)) + 0.4,
                       color="#444444", ls=style, lw=0.9, label=NAMES[name])
+    ax.set_xticks(range(len(tasks)), [TASKS[task].title for task in tasks], rotation=25, ha="right")
+    ax.set(ylabel="success rate", ylim=(-0.03, 1.05))
+
+
+READINGS = {"as printed": "#999999", "mended": "#009E73", "periodic": "#CC79A7"}
+
+
+def readings(table: pd.DataFrame, column: str, ax: Axes) -> None:
+    """One group for each task: the rates of the variants of one method, named in `column`, with intervals.
+
+    Args:
+        table: task, the column, value, low, high.
+    """
+    tasks = [task for task in TASKS if task in set(table.task)]
+    for (name, colour), shift in zip(READINGS.items(), (-0.2, 0.0, 0.2), strict=True):
+        rows = table[table[column] == name].set_index("task").reindex(tasks)
+        ax.errorbar(np.arange(len(tasks)) + shift, rows.value, [rows.value - rows.low, rows.high - rows.value], fmt="o",
+                    ms=3.5, lw=1, capsize=1.5, color=colour, label=name)
     ax.set_xticks(range(len(tasks)), [TASKS[task].title for task in tasks], rotation=25, ha="right")
     ax.set(ylabel="success rate", ylim=(-0.03, 1.05))
 

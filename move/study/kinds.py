@@ -15,9 +15,13 @@ from move.errors import BadInput
 from move.learn.evaluate import Evaluation
 from move.learn.settings import Training
 from move.sim.collect import Collection
+from move.sim.motion.adc import MENDED
 from move.study.profiles import Profile
 from move.study.spec import RunSpec
 from move.study.validation import build
+
+CHOSEN: dict[str, dict[str, Any]] = {"adc": {"jumping": MENDED}}
+"""By method: how it collects wherever it is compared. ADC jumps as in the stronger of the readings in table_adc."""
 
 
 def policy_run(
@@ -39,7 +43,7 @@ def policy_run(
     changes = _of(Training, settings)
     if length != 1:
         changes = {"gradient_steps": round(length * recipe.gradient_steps), **changes}
-    made = {"image_size": profile.image_size, **profile.collection.get(method, {}), **_of(Collection, settings)}
+    made = {"image_size": profile.image_size, **_chosen(profile, method), **_of(Collection, settings)}
     return build(
         RunSpec, task=task, seed=seed,
         training=build(Training, **{**recipe.model_dump(), **changes}) if changes else recipe,
@@ -67,9 +71,13 @@ def collector_run(
         BadInput: an unknown setting, or a value that is not allowed.
     """
     _refuse_unknown(settings, Collection)
-    made = {**profile.collection.get(method, {}), **settings}
+    made = {**_chosen(profile, method), **settings}
     return build(RunSpec, task=task, seed=seed, player="collector", evaluation=build(Evaluation, episodes=attempts),
                  collection=build(Collection, task=task, method=method, timesteps=1, **made))
+
+
+def _chosen(profile: Profile, method: str) -> dict[str, Any]:
+    return {**CHOSEN.get(method, {}), **profile.collection.get(method, {})}
 
 
 def _of(model: type[BaseModel], settings: dict[str, Any]) -> dict[str, Any]:

@@ -38,6 +38,9 @@ show up to half of the 0.2 m in which it comes near."""
 PERIODIC = MENDED.model_copy(update={"times": 2})
 """The same with two jumps a phase: of three, many demonstrations do not get all before they are done."""
 
+JUMPS = {"as printed": Jumping(), "mended": MENDED, "periodic": PERIODIC}
+"""Three readings of ADC: one jump a phase within 0.2 m, even at step 0; after ten steps of seeing; twice a phase."""
+
 
 def jumping_phases(task: Task, factors: str) -> tuple[str, ...]:
     """The phases in which something jumps: "pick" (the object) and, where the target is random, "place" (the target).

@@ -1,4 +1,4 @@
-"""The recipe for pictures against one change at a time."""
+"""What was chosen against what else could have been: the recipe for pictures, its length, and how ADC jumps."""
 
 from __future__ import annotations
 
@@ -6,6 +6,9 @@ from functools import partial
 from typing import Any
 
 from move.learn.evaluate import Evaluation
+from move.paper import PAPER_TASKS
+from move.sim.motion.adc import JUMPS
+from move.study.experiments.budgets import budgets
 from move.study.experiments.registry import Count, Multiple, experiment
 from move.study.kinds import policy_run
 from move.study.labels import LabelledRun, distinct, grid
@@ -42,3 +45,40 @@ def table_recipe(
         runs += grid(base, timesteps=[budget], change=changes)
     own = Evaluation(layout="own", episodes=episodes)
     return distinct(run.tried(own) for run in runs)  # a change may be none in this profile
+
+
+@experiment
+def fig_training_length(
+    profile: Profile, tasks: tuple[str, ...] = ("pick-place", "push", "window-open"),
+    lengths: tuple[Multiple, ...] = (1 / 3, 1, 3), seeds: Count = 2, episodes: Count = 100,
+    most_timesteps: Count = 20_000,
+) -> list[LabelledRun]:
+    """Does MOVE minus static depend on how long one trains? The recipe's gradient steps times each of `lengths`.
+
+    Policies of table 2, from pixels; nothing is chosen by the answer.
+    """
+    return grid(partial(policy_run, profile, episodes=episodes),
+                length={round(length, 3): {"length": length} for length in lengths}, seed=range(seeds),
+                task=budgets(tasks, most_timesteps), method=("static", "move"))
+
+
+@experiment
+def table_adc(
+    profile: Profile, pixel_tasks: tuple[str, ...] = PAPER_TASKS, tasks: tuple[str, ...] = PAPER_TASKS,
+    periodic_tasks: tuple[str, ...] = ("pick-place", "window-open"), timesteps: Count = 2500, seeds: Count = 3,
+    episodes: Count = 100, most_timesteps: Count = 20_000,
+) -> list[LabelledRun]:
+    """Which reading of ADC is the stronger baseline: one seed from pixels at table 2's budget, `seeds` from keypoints.
+
+    Jumps twice a phase are tried on `periodic_tasks` from keypoints, and on the first of them from pixels.
+    """
+    base, runs = partial(policy_run, profile, method="adc", episodes=episodes), []
+    for name, jumping in JUMPS.items():
+        few = name == "periodic"
+        reading = {name: {"jumping": jumping}}
+        seen = [task for task in pixel_tasks if not few or task in periodic_tasks[:1]]
+        given = [task for task in tasks if not few or task in periodic_tasks]
+        runs += grid(base, jumping=reading, observation=["rgb"], task=budgets(seen, most_timesteps), seed=[0])
+        runs += grid(base, jumping=reading, observation=["keypoints"], timesteps=[timesteps], task=given,
+                     seed=range(seeds))
+    return runs

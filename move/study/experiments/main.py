@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from functools import partial
-from typing import Any
 
 from move.learn.evaluate import Evaluation
 from move.paper import PAPER_METHODS, PAPER_TASKS
 from move.sim.scene.scene import EPISODE_STEPS
-from move.sim.tasks import get_task
+from move.study.experiments.budgets import budgets
 from move.study.experiments.floors import floors_and_ceilings
 from move.study.experiments.registry import Count, Observation, Seeds, experiment
 from move.study.kinds import policy_run
@@ -26,16 +24,11 @@ def table2_main(
 
     `seeds` from pixels and `control_seeds` from keypoints.
     """
-    base, tasks = partial(policy_run, profile, episodes=episodes), _budgets(PAPER_TASKS, most_timesteps)
+    base, tasks = partial(policy_run, profile, episodes=episodes), budgets(PAPER_TASKS, most_timesteps)
     policies = [run for observation, count in (("rgb", seeds), ("keypoints", control_seeds))
                 for run in grid(partial(base, observation=observation), seed=range(count), task=tasks,
                                 method=PAPER_METHODS)]
     return policies + floors_and_ceilings(PAPER_TASKS, episodes)
-
-
-def _budgets(tasks: Iterable[str], most_timesteps: int) -> dict[str, dict[str, Any]]:
-    """The axis `task`, each task with the paper's budget for it, but at most `most_timesteps`."""
-    return {name: {"task": name, "timesteps": min(get_task(name).timesteps, most_timesteps)} for name in tasks}
 
 
 @experiment
@@ -48,7 +41,7 @@ def generalization(
     Every method's demonstrations show the scene as it is at the grasp, so the two rates mean the same for all. A policy
     is trained once for both. No more of its own configurations are tried than its budget is sure to hold.
     """
-    runs = grid(partial(policy_run, profile, episodes=episodes), seed=seeds, task=_budgets(tasks, most_timesteps),
+    runs = grid(partial(policy_run, profile, episodes=episodes), seed=seeds, task=budgets(tasks, most_timesteps),
                 method=methods)
     return runs + [run.tried(_own(run, own_episodes)) for run in runs]
 
