@@ -63,13 +63,18 @@ def progress(label: str) -> Iterator[Callable[..., None]]:
 def collect(
     out: Annotated[Optional[Path], typer.Option(help="zarr folder to write (default: under build/data)")] = None,
     task: Annotated[str, typer.Option(help="the task")] = "pick-place",
-    method: Annotated[str, typer.Option(help="static, adc or move")] = "move",
+    method: Annotated[str, typer.Option(help="static, adc, move or mixture")] = "move",
     timesteps: Annotated[int, typer.Option(help="budget in steps of the environment")] = 2500,
     observation: Annotated[str, typer.Option(help="keypoints or rgb")] = "keypoints",
     image_size: Annotated[int, typer.Option(help="pixels along a side")] = 96,
     factors: Annotated[str, typer.Option(help="what is random: object, object+target or all")] = "all",
     protocol: Annotated[str, typer.Option(help="where it grasps: random, sparse, dense or circle")] = "random",
     expert: Annotated[str, typer.Option(help="phase or metaworld")] = "phase",
+    object_speed: Annotated[Optional[float], typer.Option(help="the largest under MOVE, metres per step")] = None,
+    target_speed: Annotated[Optional[float], typer.Option(help="the largest under MOVE, metres per step")] = None,
+    camera_speed: Annotated[Optional[float], typer.Option(help="the largest under MOVE, radians per step")] = None,
+    moving: Annotated[Optional[str], typer.Option(help="what moves, such as object,target (default: all)")] = None,
+    shares: Annotated[Optional[str], typer.Option(help="of a mixture, such as static=0.5,move=0.5")] = None,
     seed: Seed = 0,
     as_json: Json = False,
 ) -> None:
@@ -80,7 +85,9 @@ def collect(
     from move.study.validation import build
 
     chosen = build(collecting.Collection, task=task, method=method, timesteps=timesteps, observation=observation,
-                      image_size=image_size, factors=factors, protocol=protocol, expert=expert)
+                   image_size=image_size, factors=factors, protocol=protocol, expert=expert,
+                   object_speed=object_speed, target_speed=target_speed, camera_speed=camera_speed,
+                   moving=moving.split(",") if moving is not None else None, shares=_shares(shares))
     path = out or paths.BUILD / "data" / f"{task}-{method}-{protocol}-{observation}-{timesteps}-{seed}.zarr"
     with progress("collect") as report:
         demonstrations, record = collecting.collect(chosen, seed, report)
@@ -91,6 +98,15 @@ def collect(
     if not as_json:
         content = {name: value for name, value in content.items() if name not in ("grasp_points", "starts", "grasps")}
     show(content, as_json, "Demonstrations")
+
+
+def _shares(text: str | None) -> dict[str, float]:
+    """`static=0.5,move=0.5` as a mapping."""
+    try:
+        return {name: float(share) for name, share in (part.split("=") for part in text.split(","))} if text else {}
+    except ValueError as error:
+        raise BadInput(f"shares: {text!r} given; allowed are methods with numbers, such as static=0.5,move=0.5"
+                       ) from error
 
 
 @app.command()

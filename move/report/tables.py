@@ -10,7 +10,7 @@ from move.errors import BadInput
 from move.intervals import wilson_interval
 from move.paper import PAPER_METHODS, PAPER_TASKS
 from move.report.style import NAMES
-from move.sim.collect import METHODS
+from move.sim.collection import METHODS
 from move.sim.configuration import Disc
 from move.sim.tasks import TASKS
 from move.sim.tasks.task import kept_share

@@ -7,6 +7,7 @@ collector_run   count attempts to demonstrate
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from pydantic import BaseModel
@@ -43,7 +44,7 @@ def policy_run(
     changes = _of(Training, settings)
     if length != 1:
         changes = {"gradient_steps": round(length * recipe.gradient_steps), **changes}
-    made = {"image_size": profile.image_size, **_chosen(profile, method), **_of(Collection, settings)}
+    made = {"image_size": profile.image_size, **_chosen(profile, method, settings), **_of(Collection, settings)}
     return build(
         RunSpec, task=task, seed=seed,
         training=build(Training, **{**recipe.model_dump(), **changes}) if changes else recipe,
@@ -71,13 +72,20 @@ def collector_run(
         BadInput: an unknown setting, or a value that is not allowed.
     """
     _refuse_unknown(settings, Collection)
-    made = {**_chosen(profile, method), **settings}
+    made = {**_chosen(profile, method, settings), **settings}
     return build(RunSpec, task=task, seed=seed, player="collector", evaluation=build(Evaluation, episodes=attempts),
                  collection=build(Collection, task=task, method=method, timesteps=1, **made))
 
 
-def _chosen(profile: Profile, method: str) -> dict[str, Any]:
-    return {**CHOSEN.get(method, {}), **profile.collection.get(method, {})}
+def _chosen(profile: Profile, method: str, settings: dict[str, Any]) -> dict[str, Any]:
+    """What is chosen for a method where the settings choose nothing; for a mixture what is for each of its methods."""
+    own = profile.collection.get(method, {})
+    shares = {**own, **settings}.get("shares", {})
+    methods = shares if isinstance(shares, Mapping) else ()
+    found: dict[str, Any] = {}
+    for name in (*methods, method):
+        found |= {**CHOSEN.get(name, {}), **profile.collection.get(name, {})}
+    return found
 
 
 def _of(model: type[BaseModel], settings: dict[str, Any]) -> dict[str, Any]:
