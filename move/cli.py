@@ -10,15 +10,18 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated, Any, Optional
+from typing import TYPE_CHECKING, Annotated, Any, Optional
 
 import typer
-from pydantic import BaseModel, ValidationError
 from rich.console import Console
 from rich.table import Table
 from typer._click.exceptions import ClickException  # typer's own copy of click, whose usage errors these are
 
 from move.errors import BadInput
+
+if TYPE_CHECKING:
+    from move.study.profiles import Profile
+    from move.study.spec import RunSpec
 
 app = typer.Typer(add_completion=False, no_args_is_help=True, rich_markup_mode=None, pretty_exceptions_enable=False,
                   help="MOVE, reproduced: collect demonstrations, train policies, evaluate them, rebuild the paper.")
@@ -45,16 +48,6 @@ def show(content: dict[str, Any] | list[dict[str, Any]], as_json: bool, title: s
     Console(width=None if sys.stdout.isatty() else 140).print(table)
 
 
-def settings(model: type[BaseModel], **values: Any) -> Any:
-    """Build `model` from command-line values; what pydantic refuses becomes one line of BadInput."""
-    from move.study.profiles import first_problem
-
-    try:
-        return model(**values)
-    except ValidationError as error:
-        raise BadInput(first_problem(error)) from error
-
-
 @contextmanager
 def progress(label: str) -> Iterator[Callable[..., None]]:
     """A callable (done, total, ...) that draws a bar with the time left on standard error."""
@@ -70,13 +63,18 @@ def progress(label: str) -> Iterator[Callable[..., None]]:
 def collect(
     out: Annotated[Optional[Path], typer.Option(help="zarr folder to write (default: under build/data)")] = None,
     task: Annotated[str, typer.Option(help="the task")] = "pick-place",
-    method: Annotated[str, typer.Option(help="static, adc or move")] = "move",
+    method: Annotated[str, typer.Option(help="static, adc, move or mixture")] = "move",
     timesteps: Annotated[int, typer.Option(help="budget in steps of the environment")] = 2500,
     observation: Annotated[str, typer.Option(help="keypoints or rgb")] = "keypoints",
     image_size: Annotated[int, typer.Option(help="pixels along a side")] = 96,
     factors: Annotated[str, typer.Option(help="what is random: object, object+target or all")] = "all",
     protocol: Annotated[str, typer.Option(help="where it grasps: random, sparse, dense or circle")] = "random",
     expert: Annotated[str, typer.Option(help="phase or metaworld")] = "phase",
+    object_speed: Annotated[Optional[float], typer.Option(help="the largest under MOVE, metres per step")] = None,
+    target_speed: Annotated[Optional[float], typer.Option(help="the largest under MOVE, metres per step")] = None,
+    camera_speed: Annotated[Optional[float], typer.Option(help="the largest under MOVE, radians per step")] = None,
+    moving: Annotated[Optional[str], typer.Option(help="what moves, such as object,target (default: all)")] = None,
+    shares: Annotated[Optional[str], typer.Option(help="of a mixture, such as static=0.5,move=0.5")] = None,
     seed: Seed = 0,
     as_json: Json = False,
 ) -> None:
@@ -84,9 +82,12 @@ def collect(
     from move import paths
     from move.learn import dataset
     from move.sim import collect as collecting
+    from move.study.validation import build
 
-    chosen = settings(collecting.Collection, task=task, method=method, timesteps=timesteps, observation=observation,
-                      image_size=image_size, factors=factors, protocol=protocol, expert=expert)
+    chosen = build(collecting.Collection, task=task, method=method, timesteps=timesteps, observation=observation,
+                   image_size=image_size, factors=factors, protocol=protocol, expert=expert,
+                   object_speed=object_speed, target_speed=target_speed, camera_speed=camera_speed,
+                   moving=moving.split(",") if moving is not None else None, shares=_shares(shares))
     path = out or paths.BUILD / "data" / f"{task}-{method}-{protocol}-{observation}-{timesteps}-{seed}.zarr"
     with progress("collect") as report:
         demonstrations, record = collecting.collect(chosen, seed, report)
@@ -97,6 +98,15 @@ def collect(
     if not as_json:
         content = {name: value for name, value in content.items() if name not in ("grasp_points", "starts", "grasps")}
     show(content, as_json, "Demonstrations")
+
+
+def _shares(text: str | None) -> dict[str, float]:
+    """`static=0.5,move=0.5` as a mapping."""
+    try:
+        return {name: float(share) for name, share in (part.split("=") for part in text.split(","))} if text else {}
+    except ValueError as error:
+        raise BadInput(f"shares: {text!r} given; allowed are methods with numbers, such as static=0.5,move=0.5"
+                       ) from error
 
 
 @app.command()
@@ -128,6 +138,7 @@ def train(
     from move.learn import train as training
     from move.learn.settings import Training
     from move.study.profiles import load_profile
+    from move.study.validation import build
 
     demonstrations, _ = dataset.load(data, clip_actions)
     observation = "rgb" if demonstrations.has_images else "keypoints"
@@ -135,7 +146,7 @@ def train(
     if gradient_steps is not None:
         recipe |= {"gradient_steps": gradient_steps, "warmup_steps": min(recipe["warmup_steps"], gradient_steps // 2)}
     with progress("train") as report:
-        _, trained = training.train(demonstrations, settings(Training, **recipe), seed, checkpoint=out, on_step=report)
+        _, trained = training.train(demonstrations, build(Training, **recipe), seed, checkpoint=out, on_step=report)
     show({"checkpoint": str(out), "gradient_steps": recipe["gradient_steps"], "loss": trained.curve[-1][1],
           "seconds": trained.seconds, "precision": trained.precision, "parameters": trained.parameters}, as_json,
          "Policy")
@@ -160,10 +171,11 @@ def evaluate(
     from move.learn import evaluate as evaluating
     from move.learn.checkpoint import load_policy
     from move.sim.tasks import FACTORS, get_task
+    from move.study.validation import build
 
     if factors not in FACTORS:
         raise BadInput(f"factors: {factors!r} given; allowed are {', '.join(FACTORS)}")
-    plan = settings(evaluating.Evaluation, layout=layout, episodes=episodes, factors=factors)
+    plan = build(evaluating.Evaluation, layout=layout, episodes=episodes, factors=factors)
     if player not in ("policy", *agents.CONTROLS):
         raise BadInput(f"player: {player!r} given; allowed are policy, {', '.join(agents.CONTROLS)}")
     if player == "policy" and checkpoint is None:
@@ -181,7 +193,7 @@ def evaluate(
     show(content | ({"rows": rows} if as_json else {}), as_json, "Evaluation (95 % Wilson interval)")
 
 
-def chosen_specs(profile: str, figures: list[str] | None) -> dict[str, list]:
+def chosen_specs(profile: Profile, figures: list[str] | None) -> dict[str, list[RunSpec]]:
     """The specs of the figures asked for, or of all, by figure."""
     from move.study import experiments
 
@@ -200,9 +212,11 @@ def run(
     """Compute the runs that are missing; what exists is reused, what was interrupted goes on."""
     from move import paths
     from move.study.execute import execute
+    from move.study.profiles import load_profile
 
-    specs = [spec for listed in chosen_specs(profile, figure).values() for spec in listed]
-    there, missing = execute(specs, results or paths.results(profile), cluster, workers, quiet=not sys.stderr.isatty())
+    chosen = load_profile(profile)
+    specs = [spec for listed in chosen_specs(chosen, figure).values() for spec in listed]
+    there, missing = execute(specs, results or paths.results(chosen), cluster, workers, quiet=not sys.stderr.isatty())
     problems = [{"hash": spec.hash, "run": spec.label, "why": why} for spec, why in missing]
     if as_json:
         show({"profile": profile, "stored": len(there), "missing": problems}, True, "")
@@ -218,9 +232,11 @@ def run(
 def plan(profile: ProfileName = "laptop", figure: Figure = None, as_json: Json = False) -> None:
     """Show what would run, how long it would take and why, without running anything."""
     from move.study.plan import plan_rows, plan_title
+    from move.study.profiles import load_profile
 
-    rows = plan_rows(profile, chosen_specs(profile, figure))
-    show(rows, as_json, plan_title(profile))
+    chosen = load_profile(profile)
+    rows = plan_rows(chosen, chosen_specs(chosen, figure))
+    show(rows, as_json, plan_title(chosen))
 
 
 @app.command()
@@ -237,16 +253,18 @@ def verify(
 
     from move import paths
     from move.study import verify as verifying
+    from move.study.profiles import load_profile
 
+    chosen = load_profile(profile)
     if every:
-        rows = verifying.check_files(paths.results(profile))
+        rows = verifying.check_files(paths.results(chosen))
         shown = [row for row in rows if not row["same"]] or [{"files": len(rows), "same": "all"}]
         show(rows if as_json else shown, as_json, "Checked")
     else:
         seed = int(np.random.SeedSequence().generate_state(1)[0]) if seed is None else seed
         typer.echo(f"verify: --seed {seed} draws this sample again", err=True)
-        specs = [spec for listed in chosen_specs(profile, figure).values() for spec in listed]
-        rows = verifying.verify(specs, paths.results(profile), sample, np.random.default_rng(seed))
+        specs = [spec for listed in chosen_specs(chosen, figure).values() for spec in listed]
+        rows = verifying.verify(specs, paths.results(chosen), sample, np.random.default_rng(seed))
         show(rows, as_json, "Recomputed")
     if not all(row["same"] for row in rows):
         raise typer.Exit(1)
@@ -263,20 +281,21 @@ def figure(
     """Execute notebooks, which run what is missing and write their figures and tables."""
     from move import paths
     from move.report import notebooks
+    from move.study.profiles import load_profile
 
-    changes = dict(_assignment(text) for text in parameter or [])
-    names = names or notebooks.of_profile(profile)
+    chosen, changes = load_profile(profile), dict(_assignment(text) for text in parameter or [])
+    names = names or notebooks.of_profile(chosen)
     for name in names:  # all of them are checked before the first one runs
-        notebooks.notebook_parameters(name, profile, changes)
+        notebooks.notebook_parameters(name, chosen, changes)
     rows = []
     for name in names:
         typer.echo(f"notebook {name} ({profile}) ...", err=True)
         try:
-            executed = notebooks.run_notebook(name, profile, changes, stored_only)
+            executed = notebooks.run_notebook(name, chosen, changes, stored_only)
         except notebooks.NotebookFailed as failure:
             typer.echo(f"move: {failure}", err=True)
             raise typer.Exit(1) from failure
-        rows.append({"notebook": name, "executed": str(executed), "written_to": str(paths.figures(profile))})
+        rows.append({"notebook": name, "executed": str(executed), "written_to": str(paths.figures(chosen))})
     show(rows, as_json, "Notebooks")
 
 

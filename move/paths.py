@@ -4,6 +4,10 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from move.study.profiles import Profile
 
 ROOT = Path(os.environ.get("MOVE_ROOT", Path(__file__).resolve().parent.parent))
 PROFILES = ROOT / "profiles"
@@ -14,11 +18,11 @@ RUNS = BUILD / "runs"  # checkpoints and progress of single runs
 REALWORLD = BUILD / "realworld"  # real-robot data: what was fetched, and the simulated sample
 
 
-def results(profile: str) -> Path:
-    """Where a profile's results are: one JSON file a run. Smoke results prove nothing and stay out of git."""
-    return (BUILD if profile == "smoke" else ROOT) / "results" / profile
+def results(profile: Profile) -> Path:
+    """Where a profile's results are: one JSON file a run. A stamped profile's prove nothing and stay out of git."""
+    return (BUILD if profile.stamp else ROOT) / "results" / profile.name
 
 
-def figures(profile: str) -> Path:
-    """Where a profile's figures and tables go; the laptop profile's are the ones in git."""
-    return ROOT / "paper_figures" if profile == "laptop" else BUILD / "figures" / profile
+def figures(profile: Profile) -> Path:
+    """Where a profile's figures and tables go; the shipped ones are in git."""
+    return ROOT / "paper_figures" if profile.shipped else BUILD / "figures" / profile.name

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from move import cli, paths
+from move.learn import dataset
 from move.report import notebooks
 
 
@@ -22,8 +23,15 @@ def move(capsys, *arguments: str) -> tuple[int, str, str]:
 
 @pytest.mark.parametrize(("arguments", "message"), [
     (("collect", "--task", "juggling"), "task: 'juggling' given; allowed are pick-place"),
-    (("collect", "--method", "magic"), "method: 'magic' given; input should be 'static', 'adc' or 'move'"),
+    (("collect", "--method", "magic"), "method: 'magic' given; input should be 'static', 'adc', 'move' or 'mixture'"),
     (("collect", "--timesteps", "-5"), "timesteps: -5 given; input should be greater than 0"),
+    (("collect", "--method", "static", "--object-speed", "0.1"), "object_speed: 0.1 given; nothing moves under"),
+    (("collect", "--camera-speed", "nan"), "camera_speed: nan given"),
+    (("collect", "--moving", "moon"), "'moon' given; input should be 'object', 'rotation', 'target' or 'camera'"),
+    (("collect", "--moving", ""), "moving.0: '' given"),
+    (("collect", "--method", "mixture"), "a mixture of nothing; allowed are shares of two methods or more"),
+    (("collect", "--method", "mixture", "--shares", "half"), "shares: 'half' given; allowed are methods with numbers"),
+    (("collect", "--method", "mixture", "--shares", "static=0.5,move=0.6"), "shares add up to 1.1; allowed is 1"),
     (("collect", "--timesteps", "many"), "Input should be a valid integer"),
     (("collect", "--observation", "smell"), "observation: 'smell' given"),
     (("collect", "--tiemsteps", "5"), "No such option: --tiemsteps"),
@@ -79,6 +87,17 @@ def test_collect_train_evaluate_by_hand(capsys, tmp_path):
     assert code == 0 and len(evaluated["rows"]) == 3 and evaluated["low"] < evaluated["high"]
     code, out, _ = move(capsys, "evaluate", "--player", "expert", "--episodes", "2")
     assert code == 0 and "success_rate" in out
+
+
+def test_a_mixture_with_motions_of_ones_own_by_hand(capsys, tmp_path):
+    code, out, _ = move(capsys, "collect", "--timesteps", "201", "--out", str(tmp_path / "data.zarr"), "--json",
+                        "--method", "mixture", "--shares", "static=0.5,move=0.5", "--object-speed", "0.05",
+                        "--target-speed", "0.01", "--camera-speed", "0.1", "--moving", "target,object,camera")
+    assert code == 0 and json.loads(out)["timesteps"] == 201
+    _, attributes = dataset.load(tmp_path / "data.zarr")
+    stored = attributes["collection"]
+    assert stored["shares"] == [["static", 0.5], ["move", 0.5]] and stored["moving"] is None
+    assert (stored["object_speed"], stored["target_speed"], stored["camera_speed"]) == (0.05, 0.01, 0.1)
 
 
 def test_plan_and_doctor_speak_json(capsys):

@@ -5,8 +5,9 @@ import pytest
 from pydantic import ValidationError
 
 from move.errors import BadInput
+from move.paper import PAPER_METHODS
 from move.sim import collect as collecting
-from move.sim.collect import METHODS, Collection, attempts, collect, collecting_env
+from move.sim.collect import Collection, attempts, collect, collecting_env
 from move.sim.experts.phase import make_expert
 from move.sim.grasp_points import CIRCLE, circle_points, grasp_point, sparse_points
 from move.sim.motion.adc import Jumps
@@ -32,7 +33,7 @@ def trace(env, steps: int, seed: int = 0) -> list:
     return seen
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", PAPER_METHODS)
 def test_the_budget_is_exact_and_the_same_for_every_method(method):
     demonstrations, record = collect(plan(method=method), seed=1)
     assert demonstrations.timesteps == 400 == demonstrations.episode_ends[-1] == record.timesteps
@@ -46,7 +47,7 @@ def test_the_same_seed_collects_the_same_bytes():
 
 
 def test_methods_start_from_the_same_configurations():
-    starts = [collect(plan(method=method), seed=4)[0].observations[0] for method in METHODS]
+    starts = [collect(plan(method=method), seed=4)[0].observations[0] for method in PAPER_METHODS]
     assert np.array_equal(starts[0], starts[1]) and np.array_equal(starts[0], starts[2])
 
 

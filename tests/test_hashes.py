@@ -15,8 +15,8 @@ LISTED = Path(__file__).with_name("hashes.json")
 def hashes() -> dict[str, list[str]]:
     """The hashes of all runs of each profile, sorted."""
     return {
-        profile: sorted({spec.hash for name in experiments.EXPERIMENTS for spec in experiments.specs(name, profile)})
-        for profile in profiles.names()
+        chosen.name: sorted({spec.hash for name in experiments.EXPERIMENTS for spec in experiments.specs(name, chosen)})
+        for chosen in map(profiles.load_profile, profiles.names())
     }
 
 

@@ -1,7 +1,5 @@
 """A notebook's parameters are its experiment's, so that `make figures` computes one grid and draws the same one."""
 
-import inspect
-
 import matplotlib
 
 matplotlib.use("Agg")
@@ -13,7 +11,8 @@ import pytest  # noqa: E402
 from move import paths  # noqa: E402
 from move.report import page, tables  # noqa: E402
 from move.sim.collect import Collection  # noqa: E402
-from move.study.experiments import EXPERIMENTS  # noqa: E402
+from move.study.experiments import EXPERIMENTS, registry  # noqa: E402
+from move.study.profiles import load_profile  # noqa: E402
 from move.study.results import Result, table  # noqa: E402
 from move.study.spec import RunSpec  # noqa: E402
 
@@ -23,7 +22,8 @@ SHOWN = {"rollouts": {"frames", "image_size", "seed"}}  # how a notebook shows i
 @pytest.mark.parametrize("name", EXPERIMENTS)
 def test_a_notebooks_defaults_are_its_experiments(name):
     found = papermill.inspect_notebook(str(paths.NOTEBOOKS / f"{name}.ipynb"))
-    defaults = {key: parameter.default for key, parameter in inspect.signature(EXPERIMENTS[name]).parameters.items()}
+    defaults = registry.defaults(name)
+    assert found.pop("profile")["default"] == '"laptop"'
     extra = set(found) - set(defaults)
     assert set(defaults) <= set(found) and extra <= SHOWN.get(name, set()), extra
     for key, default in defaults.items():
@@ -35,7 +35,7 @@ def test_a_notebooks_defaults_are_its_experiments(name):
 def test_a_smoke_figure_says_so_across_itself_and_no_other_does(profile, stamped, tmp_path, monkeypatch):
     monkeypatch.setattr(paths, "figures", lambda name: tmp_path)
     figure, _ = plt.subplots()
-    page.write("figure", figure, {}, profile, "source")
+    page.write("figure", figure, {}, load_profile(profile), "source")
     assert ("SMOKE" in [text.get_text() for text in figure.texts]) is stamped
 
 

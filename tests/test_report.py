@@ -17,6 +17,8 @@ from move.sim.collect import Collection  # noqa: E402
 from move.sim.configuration import Disc  # noqa: E402
 from move.sim.tasks import TASKS  # noqa: E402
 from move.study import experiments, results, statistics  # noqa: E402
+from move.study.labels import LabelledRun  # noqa: E402
+from move.study.profiles import load_profile  # noqa: E402
 from move.study.spec import RunSpec  # noqa: E402
 
 
@@ -121,7 +123,7 @@ def test_table_5_is_the_papers_and_counts_demonstrations():
 
 
 def test_table_4_agrees_with_the_paper_where_it_should():
-    table = tables.hyperparameters(["laptop", "paper"]).set_index("hyperparameter")
+    table = tables.hyperparameters([load_profile("laptop"), load_profile("paper")]).set_index("hyperparameter")
     for name in ("prediction horizon", "action horizon", "observation horizon", "denoising steps in training",
                  "denoising steps in inference", "batch size"):
         assert table.loc[name, "paper"] == table.loc[name, "paper, simulation"]
@@ -129,8 +131,9 @@ def test_table_4_agrees_with_the_paper_where_it_should():
 
 
 def test_the_shipped_table_4_is_that_of_the_profiles():
-    shipped = pd.read_csv(paths.figures("laptop") / "table4_hyperparameters.csv", dtype=str, keep_default_na=False)
-    drawn = tables.hyperparameters(["laptop", "paper"])
+    laptop, other = load_profile("laptop"), load_profile("paper")
+    shipped = pd.read_csv(paths.figures(laptop) / "table4_hyperparameters.csv", dtype=str, keep_default_na=False)
+    drawn = tables.hyperparameters([laptop, other])
     told = {name: shipped[name].tolist() == drawn[name].tolist() for name in drawn}
     assert told == dict.fromkeys(drawn, True)
 
@@ -160,18 +163,18 @@ def test_the_gap_is_what_a_policy_loses_away_from_its_own_grasps():
 
 
 def test_the_recipes_table_compares_each_change_with_the_chosen_one():
-    specs = experiments.table_recipe(timesteps=(7000,), episodes=20)
-    outcomes = [[True] * 18 + [False] * 2, [False] * 20, *[[True] * 20] * (len(specs) - 2)]
-    runs = [results.Result(spec, [{"trial": number, "group": "own", "success": success}
+    labelled = experiments.table_recipe(load_profile("laptop"), timesteps=(7000,), episodes=20)
+    outcomes = [[True] * 18 + [False] * 2, [False] * 20, *[[True] * 20] * (len(labelled) - 2)]
+    runs = [results.Result(run.spec, [{"trial": number, "group": "own", "success": success}
                                   for number, success in enumerate(successes)],
-                           None, {"curve": [(100, 0.5), (200, 0.1)]}, {"train": 120.0}, {})
-            for spec, successes in zip(specs, outcomes, strict=True)]
-    table = tables.recipe_table(runs, "laptop").set_index("change")
+                           None, {"curve": [(100, 0.5), (200, 0.1)]}, {"train": 120.0}, {}, run.labels)
+            for run, successes in zip(labelled, outcomes, strict=True)]
+    table = tables.recipe_table(runs).set_index("change")
     assert table.loc["chosen", ["train_minutes", "loss", "value", "gain"]].tolist() == [2.0, 0.1, 0.9, 0.0]
     worse = table.loc["one noise level a window"]
     assert worse.gain == pytest.approx(-0.9) and worse.gain_high < 0
     assert table.loc["3 times as long"].gain == pytest.approx(0.1)
-    assert tables.recipe_table(runs[1:], "laptop").gain.isna().all()
+    assert tables.recipe_table(runs[1:]).gain.isna().all()
     _, ax = plt.subplots()
     plots.changes(table.reset_index(), ax)
     assert [label.get_text().split(",")[0] for label in ax.get_yticklabels()] == list(table.index)
@@ -224,10 +227,10 @@ def test_whether_the_length_of_training_matters_is_the_change_of_the_difference(
 
 
 def test_the_length_of_a_training_is_told_in_the_recipes_own_steps():
-    spec = experiments.specs("fig_training_length", "laptop")
-    frame = pd.DataFrame([{"observation": "rgb", "timesteps": one.collection.timesteps, "method": one.method,
-                           "gradient_steps": one.training.gradient_steps} for one in spec])
-    assert sorted(tables.with_length(frame, "laptop").length.unique()) == pytest.approx([1 / 3, 1, 3], abs=1e-3)
+    profile = load_profile("laptop")
+    for run in experiments.runs("fig_training_length", profile):
+        recipe = profile.recipe("rgb", run.spec.collection.timesteps)
+        assert run.spec.training.gradient_steps / recipe.gradient_steps == pytest.approx(run.labels["length"], abs=1e-3)
 
 
 def test_two_readings_are_compared_on_the_tasks_that_have_both():
@@ -280,6 +283,6 @@ def test_a_figure_drawn_from_what_is_stored_runs_nothing(tmp_path, monkeypatch):
     results.store(stored, tmp_path)
     other = stored.spec.model_copy(update={"seed": 5})
     monkeypatch.setattr(page, "execute", lambda *arguments: pytest.fail("something was run"))
-    gathered = page.gather([stored.spec, other], "smoke")
+    gathered = page.gather([LabelledRun(stored.spec), LabelledRun(other)], load_profile("smoke"))
     assert len(gathered.results) == 1 and gathered.missing == [(other, "not computed yet")]
     assert "1 RUNS MISSING" in gathered.source

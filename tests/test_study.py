@@ -18,7 +18,7 @@ from move.learn.train import train
 from move.report import notebooks, page
 from move.sim.collect import Collection, collect
 from move.sim.configuration import SpatialConfiguration
-from move.sim.motion.adc import Jumping
+from move.sim.motion.adc import MENDED, Jumping
 from move.sim.scene.scene import EPISODE_STEPS, Scene
 from move.sim.tasks import get_task
 from move.study import execute, experiments, policies, profiles, results, run
@@ -78,14 +78,14 @@ def test_impossible_specs_are_refused(wrong):
 
 def test_methods_of_a_figure_differ_in_nothing_but_the_method():
     for name in experiments.EXPERIMENTS:
-        for profile in profiles.names():
+        for profile in map(load_profile, profiles.names()):
             groups: dict[str, set[str]] = {}
             for spec in experiments.specs(name, profile):
                 if spec.collection:
                     rest = spec.model_dump(mode="json")
                     method = rest["collection"].pop("method")
                     jumping = rest["collection"].pop("jumping")  # the others have none
-                    usual = experiments.ADC if method == "adc" else Jumping()
+                    usual = MENDED if method == "adc" else Jumping()
                     assert name == "table_adc" or jumping == usual.model_dump()
                     groups.setdefault(json.dumps(rest, sort_keys=True), set()).add(method)
             assert len({frozenset(methods) for methods in groups.values()}) <= 1  # 0 where a profile has no such runs
@@ -281,7 +281,7 @@ def test_a_wrong_profile_is_one_clear_line(profile_folder, old, new, message):
     assert old in text
     path.write_text(text.replace(old, new, 1))
     with pytest.raises(BadInput, match=message) as problem:
-        experiments.specs("fig1_sparse", "smoke")
+        experiments.specs("fig1_sparse", load_profile("smoke"))
     assert "\n" not in str(problem.value)
 
 
@@ -302,20 +302,22 @@ def test_unknown_profiles_and_figures_are_refused():
     with pytest.raises(BadInput, match="allowed are .*laptop"):
         profiles.load_profile("moon")
     with pytest.raises(BadInput, match="allowed are fig1_sparse"):
-        experiments.specs("fig99", "laptop")
+        experiments.specs("fig99", load_profile("laptop"))
 
 
 def test_the_plan_counts_what_is_missing():
-    specs = experiments.specs("fig1_sparse", "smoke")
-    row = plan_rows("smoke", {"fig1_sparse": specs})[0]
+    specs = experiments.specs("fig1_sparse", load_profile("smoke"))
+    row = plan_rows(load_profile("smoke"), {"fig1_sparse": specs})[0]
     assert row["runs"] == len(specs) == row["stored"] + row["missing"]
 
 
 def test_the_plan_counts_a_shared_training_once(tmp_path, monkeypatch):
     monkeypatch.setattr("move.study.plan.results", lambda profile: tmp_path)
-    table_2 = [spec for spec in experiments.specs("table2_main", "laptop") if spec.observation == "rgb"]
-    rows = plan_rows("laptop", {"table 2": table_2, "gap": experiments.generalization()})
-    minutes = load_profile("laptop").minutes["rgb"]
+    table_2 = [spec for spec in experiments.specs("table2_main", load_profile("laptop")) if spec.observation == "rgb"]
+    profile = load_profile("laptop")
+    gap = [run.spec for run in experiments.generalization(profile)]
+    rows = plan_rows(profile, {"table 2": table_2, "gap": gap})
+    minutes = profile.minutes["rgb"]
     assert rows[0]["hours_left"] == pytest.approx(30 * minutes / 60, abs=0.01)
     assert rows[1]["missing"] == 90 and rows[1]["hours_left"] == pytest.approx(60 * TRIAL_MINUTES / 60, abs=0.01)
 
@@ -411,7 +413,7 @@ def test_rows_hold_the_whole_configuration_that_was_tried():
 
 
 def test_table_2_has_ten_tasks_three_methods_and_the_papers_budgets():
-    specs = [spec for spec in experiments.specs("table2_main", "laptop") if spec.observation == "rgb"]
+    specs = [spec for spec in experiments.specs("table2_main", load_profile("laptop")) if spec.observation == "rgb"]
     budgets = {(spec.task, spec.method): spec.collection.timesteps for spec in specs}
     assert len(budgets) == 30
     sizes = paper.published("table5_data_sizes", "timesteps").set_index("task").value
@@ -420,52 +422,55 @@ def test_table_2_has_ten_tasks_three_methods_and_the_papers_budgets():
 
 
 def test_the_papers_profile_gives_box_close_the_papers_budget():
-    budgets = {spec.collection.timesteps for spec in experiments.specs("table2_main", "paper")
+    budgets = {spec.collection.timesteps for spec in experiments.specs("table2_main", load_profile("paper"))
                if spec.task == "box-close" and spec.training}
     assert budgets == {100_000}
 
 
 def test_table_1_shares_its_last_setting_with_table_2():
-    shared = {spec.hash for spec in experiments.specs("table1_spatial_factors", "laptop")}
-    shared &= {spec.hash for spec in experiments.specs("table2_main", "laptop")}
+    shared = {spec.hash for spec in experiments.specs("table1_spatial_factors", load_profile("laptop"))}
+    shared &= {spec.hash for spec in experiments.specs("table2_main", load_profile("laptop"))}
     assert len(shared) >= 2  # static and MOVE of the seeds that both have
 
 
 def test_the_recipe_is_judged_by_static_alone_where_it_learnt_one_change_at_a_time():
-    specs = experiments.specs("table_recipe", "laptop")
+    specs = experiments.specs("table_recipe", load_profile("laptop"))
     assert {spec.method for spec in specs} == {"static"} and {spec.evaluation.layout for spec in specs} == {"own"}
+    runs = experiments.runs("table_recipe", load_profile("laptop"))
+    assert [run.spec for run in runs] == specs
     for budget in (7000, 20_000):
-        changes = [experiments.recipe_change(spec, "laptop") for spec in specs if spec.collection.timesteps == budget]
+        changes = [run.labels["change"] for run in runs if run.labels["timesteps"] == budget]
         assert changes == [*experiments.RECIPE_CHANGES, "0.67 times as long", "3 times as long"]
 
 
 def test_the_recipe_that_is_judged_is_the_one_of_the_figures():
-    chosen = {spec.collection.timesteps: spec.training for spec in experiments.specs("table_recipe", "laptop")
-              if experiments.recipe_change(spec, "laptop") == "chosen"}
+    chosen = {run.labels["timesteps"]: run.spec.training
+              for run in experiments.runs("table_recipe", load_profile("laptop")) if run.labels["change"] == "chosen"}
     for figure in ("fig1_sparse", "table1_spatial_factors"):
-        for spec in experiments.specs(figure, "laptop"):
+        for spec in experiments.specs(figure, load_profile("laptop")):
             assert spec.training == chosen[spec.collection.timesteps]
 
 
 def test_generalization_tries_the_policies_of_table_2_at_their_own_grasps_and_in_motion():
-    specs = experiments.generalization()
+    profile = load_profile("laptop")
+    specs = [run.spec for run in experiments.generalization(profile)]
     elsewhere, own, moving = ([spec for spec in specs if spec.evaluation.layout == layout]
                               for layout in ("random", "grasp", "moving"))
-    table_2 = [spec for spec in experiments.specs("table2_main", "laptop") if spec.observation == "rgb"]
+    table_2 = [spec for spec in experiments.specs("table2_main", profile) if spec.observation == "rgb"]
     policies = {spec.policy_hash for spec in table_2}
     assert {spec.hash for spec in elsewhere} == {spec.hash for spec in table_2}
     assert {spec.policy_hash for spec in own} == {spec.policy_hash for spec in moving} == policies
     assert len(specs) == 3 * len(table_2) and {spec.evaluation.episodes for spec in moving} == {100}
     for spec in own:
         assert spec.evaluation.episodes <= max(1, spec.collection.timesteps // EPISODE_STEPS)
-    some = experiments.generalization(tasks=("push",), methods=("move",), seeds=(2,))
-    assert [(spec.task, spec.method, spec.seed) for spec in some] == [("push", "move", 2)] * 3
+    some = experiments.generalization(profile, tasks=("push",), methods=("move",), seeds=(2,))
+    assert [(run.spec.task, run.spec.method, run.spec.seed) for run in some] == [("push", "move", 2)] * 3
 
 
 @pytest.mark.parametrize(("figure", "protocol", "points"), [
     ("fig1_sparse", "sparse", "sparse"), ("fig3_dense", "dense", "none"), ("fig5_circle", "circle", "circle")])
 def test_the_preliminary_figures_follow_the_papers_protocol(figure, protocol, points):
-    specs = experiments.specs(figure, "laptop")
+    specs = experiments.specs(figure, load_profile("laptop"))
     assert {spec.collection.protocol for spec in specs} == {protocol}
     assert {(spec.evaluation.grid_side, spec.evaluation.points) for spec in specs} == {(12, points)}
     assert len({spec.seed for spec in specs}) >= 3 and {spec.method for spec in specs} == {"static", "move"}
@@ -476,19 +481,19 @@ def test_the_preliminary_figures_follow_the_papers_protocol(figure, protocol, po
 def test_each_method_has_the_same_budgets_seeds_and_hand_starts(figure):
     def design(method):
         return {(spec.collection.timesteps, spec.seed, spec.collection.hand_spread)
-                for spec in experiments.specs(figure, "laptop") if spec.method == method}
+                for spec in experiments.specs(figure, load_profile("laptop")) if spec.method == method}
 
     assert design("static") == design("move")
     assert {spread for *_, spread in design("move")} == {experiments.HAND_SPREAD, 0.0}
 
 
 def test_a_profile_leaves_the_notebooks_out_that_have_nothing_to_show_in_it():
-    assert set(notebooks.of_profile("laptop")) == set(notebooks.names())
-    assert set(notebooks.names()) - set(notebooks.of_profile("paper")) == {"table_recipe"}
-    left_out = set(notebooks.names()) - set(notebooks.of_profile("laptop-keypoints"))
+    assert set(notebooks.of_profile(load_profile("laptop"))) == set(notebooks.names())
+    assert set(notebooks.names()) - set(notebooks.of_profile(load_profile("paper"))) == {"table_recipe"}
+    left_out = set(notebooks.names()) - set(notebooks.of_profile(load_profile("laptop-keypoints")))
     assert left_out == {"table_recipe", "generalization", "fig_training_length"}
     with pytest.raises(BadInput, match="profile paper: has no runs of this figure"):
-        page.gather([], "paper")
+        page.gather([], load_profile("paper"))
 
 
 # policies ------------------------------------------------------------------------------------------------------------
@@ -497,16 +502,16 @@ def test_a_profile_leaves_the_notebooks_out_that_have_nothing_to_show_in_it():
 def test_a_shipped_policy_is_the_one_that_was_evaluated(stored, tmp_path, monkeypatch):
     result, _ = stored
     monkeypatch.setattr(policies.paths, "RUNS", tmp_path / "runs")
-    monkeypatch.setattr(policies.paths, "results", lambda profile: tmp_path / profile)
-    policies.ship(result.spec, "laptop")
+    monkeypatch.setattr(policies.paths, "results", lambda profile: tmp_path / profile.name)
+    policies.ship(result.spec, load_profile("laptop"))
     monkeypatch.setattr(policies.paths, "RUNS", tmp_path / "nothing")
-    policy = policies.trained_policy(result.spec, "laptop")
+    policy = policies.trained_policy(result.spec, load_profile("laptop"))
     assert evaluate(PolicyPlayer(policy, result.spec.seed), TASK, result.spec.evaluation) == result.rows
 
 
 def test_a_policy_that_is_not_there_is_one_clear_line(tmp_path, monkeypatch):
     monkeypatch.setattr(policies.paths, "RUNS", tmp_path)
     with pytest.raises(BadInput, match="its policy is not shipped"):
-        policies.trained_policy(tiny_spec(), "smoke")
+        policies.trained_policy(tiny_spec(), load_profile("smoke"))
     with pytest.raises(BadInput, match="no finished policy"):
-        policies.ship(tiny_spec(), "smoke")
+        policies.ship(tiny_spec(), load_profile("smoke"))

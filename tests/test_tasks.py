@@ -14,7 +14,8 @@ import move  # noqa: F401, registers the scenes
 from move.errors import BadInput
 from move.learn.agents import Expert, GoalBlind, Nothing
 from move.learn.evaluate import Evaluation, evaluate, trials
-from move.sim.collect import METHODS, Collection, collect, collecting_env, demonstrate
+from move.paper import PAPER_METHODS
+from move.sim.collect import Collection, collect, collecting_env, demonstrate
 from move.sim.experts.phase import make_expert
 from move.sim.geometry import wrapped
 from move.sim.scene.scene import Scene
@@ -114,7 +115,7 @@ def test_hammer_records_strict_success_and_others_do_not():
 # collection and experts ------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", PAPER_METHODS)
 def test_every_method_collects(task, method):
     made, record = collect(Collection(task=task.name, method=method, timesteps=300), seed=0)
     assert made.timesteps == 300 and made.actions.shape[1] == task.action_size

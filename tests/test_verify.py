@@ -12,6 +12,7 @@ from move import cli, paths
 from move.learn.evaluate import Evaluation
 from move.sim.collect import Collection
 from move.study import results, run, verify
+from move.study.profiles import load_profile
 from move.study.spec import RunSpec
 
 TINY = recipes.keypoints(gradient_steps=3, warmup_steps=1, batch_size=8)
@@ -110,5 +111,5 @@ def test_checking_every_file_ends_with_exit_code_1_at_a_damaged_one(tampered):
 
 def test_all_shipped_results_fit_their_digests_and_their_names():
     for profile in ("laptop", "laptop-keypoints"):
-        rows = verify.check_files(paths.results(profile))
+        rows = verify.check_files(paths.results(load_profile(profile)))
         assert len(rows) > 60 and [row for row in rows if not row["same"]] == []

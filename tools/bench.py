@@ -25,6 +25,7 @@ from move.learn.agents import PolicyPlayer  # noqa: E402
 from move.learn.evaluate import Evaluation, evaluate  # noqa: E402
 from move.learn.train import train  # noqa: E402
 from move.machine import gl_problem, gl_renderer, keep_freed_memory, peak_memory_mb, processor  # noqa: E402
+from move.paper import PAPER_METHODS  # noqa: E402
 from move.paths import figures  # noqa: E402
 from move.sim.collect import Collection, attempts, collect  # noqa: E402
 from move.sim.scene.scene import Scene  # noqa: E402
@@ -79,7 +80,7 @@ def bench_collection() -> None:
 
 def bench_expert() -> None:
     """Success and length of the phase expert over 200 demonstrations of each method."""
-    for method in ("static", "adc", "move"):
+    for method in PAPER_METHODS:
         tries = attempts(Collection(task=TASK, method=method, timesteps=1), seed=777)
         episodes = [next(tries) for _ in range(200)]
         kept = [len(episode.actions) for episode in episodes if episode.succeeded]
@@ -168,7 +169,7 @@ def main() -> None:
     Console(width=130).print(table)
     lines = [f"Measured by `make bench` on {where}.", "", *(f"| {' | '.join(row)} |" for row in
              (header, ("---",) * len(header), *rows))]
-    (figures("laptop") / "bench.md").write_text("\n".join(lines) + "\n")
+    (figures(load_profile("laptop")) / "bench.md").write_text("\n".join(lines) + "\n")
 
 
 if __name__ == "__main__":

@@ -10,6 +10,7 @@ import ast
 import pandas as pd
 
 from move import paper, paths
+from move.study.profiles import load_profile
 
 START, END = "<!-- results: written by tools/results_table.py -->", "<!-- end of results -->"
 README = paths.ROOT / "README.md"
@@ -50,7 +51,7 @@ def with_table(text: str) -> str:
 
 
 def _read(name: str) -> pd.DataFrame:
-    return pd.read_csv(paths.figures("laptop") / f"{name}.csv")
+    return pd.read_csv(paths.figures(load_profile("laptop")) / f"{name}.csv")
 
 
 def _line(what: str, ours: tuple[float, float], gap: tuple[float, float, float], seeds: int,

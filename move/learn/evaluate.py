@@ -30,8 +30,8 @@ class Evaluation(BaseModel):
     model_config = ConfigDict(frozen=True, strict=True, extra="forbid")
 
     layout: Literal["random", "moving", "grid", "own", "grasp"] = Field(
-        "random", description="random configurations, the same ones in a scene that moves as in MOVE's demonstrations, "
-        "a grid over the object, or the policy's own demonstrations as they began ('own') or when they grasped ('grasp')"
+        "random", description="random configurations; 'moving': the same, all in motion as for MOVE; a grid over the "
+        "object; or the policy's own demonstrations as they began ('own') or when they grasped ('grasp')"
     )
     episodes: int = Field(100, gt=0, description="number of configurations, unless they are a grid")
     grid_side: int = Field(12, gt=0, description="cells along a side of the grid")

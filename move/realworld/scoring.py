@@ -20,11 +20,10 @@ from scipy import stats
 
 from move.errors import BadInput
 from move.intervals import exact_interval
-from move.paper import REAL_POINTS
+from move.paper import PAPER_METHODS, REAL_POINTS
 from move.realworld.untrusted_names import reading
 
 COLUMNS = ("trial", "method", "position_x_m", "position_y_m", "score")
-METHODS = ("static", "adc", "move")  # in any case: MOVE is move
 FARTHEST_M = 1.5  # beyond the arm's reach in any case; catches centimetres
 
 
@@ -50,8 +49,8 @@ def read_sheet(path: Path | str) -> pd.DataFrame:
 
 def _row(path: Path | str, line: int, values: Sequence[str]) -> tuple[int, str, float, float, int]:
     trial, method, x, y, score = (str(value).strip() for value in values)
-    if (method := method.lower()) not in METHODS:
-        raise BadInput(f"{path}, line {line}: method {method!r}; allowed: {', '.join(METHODS)}")
+    if (method := method.lower()) not in PAPER_METHODS:
+        raise BadInput(f"{path}, line {line}: method {method!r}; allowed: {', '.join(PAPER_METHODS)}")
     return (_whole(path, line, "trial", trial, 1, 100_000), method, _metres(path, line, "position_x_m", x),
             _metres(path, line, "position_y_m", y), _whole(path, line, "score", score, 0, REAL_POINTS))
 
@@ -93,7 +92,7 @@ def score_table(sheet: pd.DataFrame, *, level: float = 0.95) -> pd.DataFrame:
         of trials that got at least 1 and 2 points (`approached`, `picked_up`).
     """
     rows = []
-    for method in [method for method in METHODS if method in set(sheet["method"])]:
+    for method in [method for method in PAPER_METHODS if method in set(sheet["method"])]:
         score = sheet.loc[sheet["method"] == method, "score"].to_numpy()
         successes = int((score == REAL_POINTS).sum())
         low, high = exact_interval(successes, len(score), level=level)

@@ -34,6 +34,7 @@ import pandas as pd
 import yaml
 
 from move.errors import BadInput
+from move.paper import PAPER_METHODS
 from move.realworld.episode import Recording, RobotEpisode
 from move.realworld.piper import LIMITS_RAD
 from move.realworld.untrusted_names import reading
@@ -47,7 +48,7 @@ FACTORS = {
     "gripper": LENGTH | {"half_m": 2.0, "normalised": 1.0, "pika_rad": 1 / PIKA_OPEN_RAD},
 }
 OPENS_TO_ONE = ("normalised", "pika_rad")
-CHOICES = {"gripper_closed_is": ("low", "high"), "method": ("static", "adc", "move")}
+CHOICES = {"gripper_closed_is": ("low", "high"), "method": PAPER_METHODS}
 # quantity -> (lowest, highest allowed largest absolute value, unit)
 RANGES = {
     "joints": ((0.0, 3.2, "rad"), (7.0, 360.0, "deg"), (1000.0, np.inf, "mdeg")),

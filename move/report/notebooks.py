@@ -14,8 +14,8 @@ from papermill.exceptions import PapermillExecutionError
 
 from move import paths
 from move.errors import BadInput
-from move.study.experiments import EXPERIMENTS, specs
-from move.study.profiles import load_profile
+from move.study.experiments import EXPERIMENTS, runs
+from move.study.profiles import Profile
 
 
 class NotebookFailed(RuntimeError):
@@ -30,20 +30,20 @@ def names() -> list[str]:
     return sorted(path.stem for path in paths.NOTEBOOKS.glob("*.ipynb"))
 
 
-def of_profile(profile: str) -> list[str]:
+def of_profile(profile: Profile) -> list[str]:
     """The notebooks that have something to show in `profile`: not those whose experiment asks it for no run."""
-    return [name for name in names() if name not in EXPERIMENTS or specs(name, profile)]
+    return [name for name in names() if name not in EXPERIMENTS or runs(name, profile)]
 
 
-def notebook_parameters(name: str, profile: str, changes: dict[str, Any]) -> dict[str, Any]:
+def notebook_parameters(name: str, profile: Profile, changes: dict[str, Any]) -> dict[str, Any]:
     """The profile's parameters for notebook `name`, then `changes`, each known to its parameters cell.
 
     Raises:
-        BadInput: an unknown notebook, profile or parameter.
+        BadInput: an unknown notebook or parameter.
     """
     if name not in names():
         raise BadInput(f"notebook: {name!r} given; allowed are {', '.join(names())}")
-    given = {**load_profile(profile).parameters(name), **changes, "profile": profile}
+    given = {**profile.parameters(name), **changes, "profile": profile.name}
     known = papermill.inspect_notebook(str(paths.NOTEBOOKS / f"{name}.ipynb"))
     if unknown := set(given) - set(known):
         raise BadInput(f"{name}.ipynb has no parameter {', '.join(sorted(unknown))}; allowed are {', '.join(known)}")
@@ -51,7 +51,7 @@ def notebook_parameters(name: str, profile: str, changes: dict[str, Any]) -> dic
 
 
 def run_notebook(
-    name: str, profile: str, changes: dict[str, Any] | None = None, stored_only: bool = False
+    name: str, profile: Profile, changes: dict[str, Any] | None = None, stored_only: bool = False
 ) -> Path:
     """Execute notebook `name`; the executed copy stays under build/notebooks/.
 
@@ -61,7 +61,7 @@ def run_notebook(
         BadInput: parameters that the notebook does not have, or bad input found inside it.
         NotebookFailed: a cell failed, or the kernel died twice.
     """
-    folder = paths.BUILD / "notebooks" / profile
+    folder = paths.BUILD / "notebooks" / profile.name
     folder.mkdir(parents=True, exist_ok=True)
     executed, problem = folder / f"{name}.ipynb", ""
     given = notebook_parameters(name, profile, changes or {})

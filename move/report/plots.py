@@ -9,6 +9,7 @@ from matplotlib.collections import QuadMesh
 from matplotlib.patches import Circle, Rectangle
 
 from move.intervals import student_half_width
+from move.paper import PAPER_TASKS
 from move.report.style import COLOURS, NAMES
 from move.sim.configuration import Disc
 from move.sim.tasks import TASKS
@@ -177,7 +178,7 @@ def level(value: float, label: str, ax: Axes, style: str = "--") -> None:
 
 
 def task_rates(table: pd.DataFrame, controls: pd.DataFrame, ax: Axes) -> None:
-    """One group for each of the ten tasks: the methods' rates with intervals, between the task's floor and ceiling.
+    """One group for each of the paper's tasks: the methods' rates with intervals, between its floor and its ceiling.
 
     A task that the table does not hold is marked as missing.
 
@@ -185,7 +186,7 @@ def task_rates(table: pd.DataFrame, controls: pd.DataFrame, ax: Axes) -> None:
         table: task, method, value, low, high; and, where the paper gives any, paper: drawn as crosses.
         controls: one row a task; columns "expert" (ceiling) and, where it exists, "goal-blind" (floor).
     """
-    tasks, methods = list(TASKS), list(table.method.unique())
+    tasks, methods = list(PAPER_TASKS), list(table.method.unique())
     for place, task in enumerate(tasks):
         if task not in set(table.task):
             ax.annotate("missing", (place, 0.5), ha="center", va="center", rotation=90, fontsize=6, color="#777777")

@@ -11,18 +11,19 @@ import pandas as pd
 import seaborn as sns
 from matplotlib.figure import Figure
 
-COLOURS = {  # safe for colour-blind readers (Okabe and Ito); the same three methods everywhere
+COLOURS = {  # safe for colour-blind readers (Okabe and Ito); a method has the same everywhere
     "static": "#0072B2",
     "adc": "#E69F00",
     "move": "#D55E00",
+    "mixture": "#009E73",
     "nothing": "#999999",
     "random": "#999999",
     "expert": "#000000",
     "goal-blind": "#999999",
     "unknown": "#777777",  # data that do not say how they were collected
 }
-NAMES = {"static": "static", "adc": "ADC", "move": "MOVE", "nothing": "do nothing", "random": "random actions",
-         "expert": "expert", "goal-blind": "goal-blind expert", "unknown": "unknown"}
+NAMES = {"static": "static", "adc": "ADC", "move": "MOVE", "mixture": "mixture", "nothing": "do nothing",
+         "random": "random actions", "expert": "expert", "goal-blind": "goal-blind expert", "unknown": "unknown"}
 COLUMN_WIDTH = 3.5  # inches, one column of a two-column page
 PAGE_WIDTH = 7.2  # inches
 

@@ -8,13 +8,13 @@ import pandas as pd
 from move import paper
 from move.errors import BadInput
 from move.intervals import wilson_interval
+from move.paper import PAPER_METHODS, PAPER_TASKS
 from move.report.style import NAMES
-from move.sim.collect import METHODS
+from move.sim.collection import METHODS
 from move.sim.configuration import Disc
 from move.sim.tasks import TASKS
 from move.sim.tasks.task import acceptance_rate
-from move.study.experiments import recipe_change
-from move.study.profiles import load_profile
+from move.study.profiles import Profile
 from move.study.results import Result
 from move.study.statistics import (
     UNKNOWN,
@@ -222,13 +222,16 @@ def run_costs(results: list[Result]) -> pd.DataFrame:
     return groups.median().round(1).assign(runs=groups.size(), all_runs=groups.whole.sum().round(0)).reset_index()
 
 
-def recipe_table(results: list[Result], profile: str) -> pd.DataFrame:
+def recipe_table(results: list[Result]) -> pd.DataFrame:
     """One row a run of the recipe's experiment: what was changed, minutes of training, success at its own places.
 
     Columns timesteps, change, train_minutes (one core), loss (mean of the last fiftieth of the steps), value, low,
     high, episodes; gain, gain_low, gain_high: success minus the chosen recipe's, paired, NaN where that is missing.
+
+    Args:
+        results: with the labels timesteps and change of their experiment.
     """
-    runs = [(result, result.spec.collection.timesteps, recipe_change(result.spec, profile)) for result in results]
+    runs = [(result, result.labels["timesteps"], result.labels["change"]) for result in results]
     chosen = {timesteps: _outcomes(result) for result, timesteps, change in runs if change == "chosen"}
     rows = []
     for result, timesteps, change in runs:
@@ -298,14 +301,6 @@ def reading_gap(episodes: pd.DataFrame, column: str, one: str, other: str) -> pd
     return pd.Series({"items": len(pairs), **_gap(mean), "holm": mean.p_value})
 
 
-def with_length(episodes: pd.DataFrame, profile: str) -> pd.DataFrame:
-    """Episodes of policies with a column `length`: gradient steps over those that the recipe has for as much data."""
-    steps = {key: load_profile(profile).recipe(*key).gradient_steps
-             for key in episodes[["observation", "timesteps"]].drop_duplicates().itertuples(index=False, name=None)}
-    usual = [steps[key] for key in zip(episodes.observation, episodes.timesteps, strict=True)]
-    return episodes.assign(length=(episodes.gradient_steps / usual).round(3))
-
-
 def length_matters(episodes: pd.DataFrame) -> pd.DataFrame:
     """MOVE minus static at the longest training minus the same at the shortest: one row a task, and their mean.
 
@@ -313,7 +308,7 @@ def length_matters(episodes: pd.DataFrame) -> pd.DataFrame:
     cells; a difference of two methods has twice that of one.
 
     Args:
-        episodes: as `with_length` gives them, of static and MOVE.
+        episodes: of static and MOVE, with the label `length` of their experiment.
     """
     one = training_noise(episodes, ["task", "method", "length"])
     noise = TrainingNoise(2 * one.variance, one.degrees)
@@ -333,7 +328,7 @@ def length_matters(episodes: pd.DataFrame) -> pd.DataFrame:
 
 def floors_and_ceilings(episodes: pd.DataFrame) -> pd.DataFrame:
     """Success rate of each control on each task: one row a task, one column a control."""
-    controls = episodes[episodes.timesteps == 0]
+    controls = episodes[episodes.kind == "control"]
     return controls.pivot_table("success", "task", "method", aggfunc="mean", sort=False)
 
 
@@ -345,12 +340,12 @@ def beside(table: pd.DataFrame, index: str, columns: str, value: str = "value") 
     return wide.reindex(index=table[index].unique(), columns=table[columns].unique())
 
 
-def hyperparameters(profiles: list[str]) -> pd.DataFrame:
+def hyperparameters(profiles: list[Profile]) -> pd.DataFrame:
     """Table 4: one row a hyperparameter, the profiles' recipes for pictures beside the paper's two columns.
 
     The recipes are those for Pick-Place's budget of table 5.
     """
-    recipes = {name: load_profile(name).recipe("rgb", TASKS["pick-place"].timesteps) for name in profiles}
+    recipes = {profile.name: profile.recipe("rgb", TASKS["pick-place"].timesteps) for profile in profiles}
     rows = {
         "prediction horizon": "prediction_horizon", "action horizon": "action_horizon",
         "observation horizon": "observation_horizon", "gradient steps": "gradient_steps", "batch size": "batch_size",
@@ -373,11 +368,11 @@ def data_sizes(costs: pd.DataFrame) -> pd.DataFrame:
         costs: as `collection_costs` gives them.
     """
     steps = costs[costs.expert == "phase"].pivot(index="task", columns="method", values="mean_steps")
-    sizes = pd.DataFrame([{"task": name, "timesteps": task.timesteps} for name, task in TASKS.items()])
+    sizes = pd.DataFrame([{"task": name, "timesteps": TASKS[name].timesteps} for name in PAPER_TASKS])
     sizes = with_paper(sizes, "table5_data_sizes", ["task"], "timesteps").astype({"paper": int})
     return sizes.assign(task=[TASKS[name].title for name in sizes.task], **{
         f"{method} demonstrations": [round(row.timesteps / steps.loc[row.task, method]) for row in sizes.itertuples()]
-        for method in METHODS})
+        for method in PAPER_METHODS})
 
 
 def kept_shares(rng: np.random.Generator, configurations: int = 1000) -> pd.DataFrame:
@@ -385,8 +380,8 @@ def kept_shares(rng: np.random.Generator, configurations: int = 1000) -> pd.Data
 
     The same filter serves static starts, ADC's jumps, MOVE's motions and evaluation.
     """
-    return pd.DataFrame([{"task": name, "kept_share": acceptance_rate(task, rng, configurations)}
-                         for name, task in TASKS.items()])
+    return pd.DataFrame([{"task": name, "kept_share": acceptance_rate(TASKS[name], rng, configurations)}
+                         for name in PAPER_TASKS])
 
 
 def printed_trials(table: pd.DataFrame) -> pd.DataFrame:

@@ -8,6 +8,7 @@ configuration.py   ranges and spatial configurations
 geometry.py        vectors and angles
 observe.py         what a policy sees: keypoints or images
 grasp_points.py    where demonstrations grasp in the preliminary experiments
+collection.py      what to collect, as data: methods, motions, shares of a mixture
 collect.py         demonstrations under an exact budget of timesteps
 demonstrations.py  what collection produces and training consumes
 """

@@ -1,4 +1,4 @@
-"""Demonstrations of a scripted expert by static collection, ADC or MOVE, under an exact budget of timesteps.
+"""Demonstrations of a scripted expert by static collection, ADC, MOVE or a mixture, under an exact budget of timesteps.
 
 The budget counts timesteps, not episodes, and the last demonstration is cut where the budget ends. Training makes one
 window a timestep, so every method gives the same number of training windows. A demonstration that fails is discarded
@@ -10,71 +10,25 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from typing import Literal, Self
 
 import gymnasium
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
 from move.errors import BadInput
+from move.sim.collection import Collection
 from move.sim.configuration import SpatialConfiguration, Vector
 from move.sim.demonstrations import Demonstrations
 from move.sim.experts.phase import Expert, make_expert
 from move.sim.grasp_points import grasp_point, motion_region
-from move.sim.motion.adc import Jumping, Jumps, jumping_phases
-from move.sim.motion.wrappers import Motions, with_motions
+from move.sim.motion.adc import Jumps, jumping_phases
+from move.sim.motion.wrappers import with_motions
 from move.sim.scene.scene import EPISODE_STEPS, SUCCESS_STEPS, Scene
-from move.sim.tasks import FACTORS, TASKS, Task, get_task
+from move.sim.tasks import Task, get_task
 
-METHODS = ("static", "adc", "move")
 STREAM = 1  # first word of every collection seed: no other part of the package draws from it
 HAND = 1  # second word of the seed that draws a hand's start, beside what the scene draws from the same attempt
 GRASP_TOLERANCE = 0.002  # metres between the prescribed grasp point and where the object stood when grasped
 PATIENCE = 50  # failed attempts in a row after which a collection is given up
-
-
-class Collection(BaseModel):
-    """Everything that decides a data set, but for the seed."""
-
-    model_config = ConfigDict(frozen=True, strict=True, extra="forbid")
-
-    task: str = Field(description="a name in move.sim.tasks.TASKS")
-    method: Literal["static", "adc", "move"] = Field(description="how it is collected")
-    timesteps: int = Field(gt=0, description="the budget, in steps of the environment")
-    observation: Literal["keypoints", "rgb"] = "keypoints"
-    image_size: int = Field(96, ge=16, le=512, description="pixels along a side")
-    factors: str = Field("all", description="what is random: a name in move.sim.tasks.FACTORS")
-    protocol: Literal["random", "sparse", "dense", "circle"] = Field("random", description="where it grasps")
-    expert: Literal["phase", "metaworld"] = Field("phase", description="who demonstrates")
-    motions: Motions = Motions()
-    jumping: Jumping = Jumping()
-    hand_spread: float = Field(
-        0.0, ge=0, le=0.1, allow_inf_nan=False, description="metres; half-side of the box around the task's fixed hand "
-        "in which the hand starts where the grasp point is prescribed; 0: all start alike"
-    )
-
-    @field_validator("task")
-    @classmethod
-    def _known_task(cls, name: str) -> str:
-        if name not in TASKS:
-            raise ValueError(f"allowed are {', '.join(TASKS)}")
-        return name
-
-    @field_validator("factors")
-    @classmethod
-    def _known_factors(cls, name: str) -> str:
-        if name not in FACTORS:
-            raise ValueError(f"allowed are {', '.join(FACTORS)}")
-        return name
-
-    @model_validator(mode="after")
-    def _nothing_without_effect(self) -> Self:
-        if self.hand_spread and self.protocol == "random":
-            raise ValueError(f"hand_spread {self.hand_spread} with protocol 'random'; allowed there is 0, for the "
-                             "hand's start is one of the factors")
-        if self.jumping != Jumping() and self.method != "adc":
-            raise ValueError(f"jumping is given for method {self.method!r}; allowed for 'adc' only")
-        return self
 
 
 @dataclass(frozen=True)
@@ -118,7 +72,13 @@ class Episode:
 
 
 def collecting_env(collection: Collection) -> gymnasium.Env:
-    """The scene with what its method moves around it."""
+    """The scene with what its method moves around it.
+
+    Raises:
+        BadInput: a mixture, whose parts have an environment each.
+    """
+    if collection.method == "mixture":
+        raise BadInput("method: 'mixture' given; allowed here is each of its parts")
     task = get_task(collection.task)
     scene = Scene(task, collection.observation, collection.image_size)
     if collection.method == "static":
@@ -126,7 +86,8 @@ def collecting_env(collection: Collection) -> gymnasium.Env:
     if collection.method == "adc":
         return Jumps(scene, collection.factors, collection.jumping)
     arrive = collection.protocol != "random"
-    return with_motions(scene, collection.motions, collection.factors, motion_region(collection.protocol, task), arrive)
+    region = motion_region(collection.protocol, task)
+    return with_motions(scene, collection.motions_used, collection.factors, region, arrive)
 
 
 def attempt_seed(seed: int, attempt: int) -> int:
@@ -203,7 +164,9 @@ def _grasped_there(episode: Episode, point: Vector) -> bool:
 def collect(
     collection: Collection, seed: int, on_step: Callable[[int, int], None] | None = None
 ) -> tuple[Demonstrations, CollectionRecord]:
-    """Collect demonstrations until the budget is full.
+    """Collect demonstrations until the budget is full; of a mixture one part behind the other.
+
+    A part is what its method alone would collect with the same seed under that part's budget.
 
     Args:
         collection: what to collect.
@@ -213,6 +176,18 @@ def collect(
     Raises:
         BadInput: fifty failed attempts in a row.
     """
+    made: list[tuple[Demonstrations, CollectionRecord]] = []
+    for part in collection.parts:
+        before = sum(record.timesteps for _, record in made)
+        made.append(_collect(part, seed, lambda done, before=before: on_step and on_step(before + done,
+                                                                                         collection.timesteps)))
+    return made[0] if len(made) == 1 else _end_to_end(made)
+
+
+def _collect(
+    collection: Collection, seed: int, on_step: Callable[[int], None]
+) -> tuple[Demonstrations, CollectionRecord]:
+    """Collect by one method."""
     started, episodes, tried, total, failed_in_a_row = time.perf_counter(), [], 0, 0, 0
     for episode in attempts(collection, seed):
         tried += 1
@@ -220,8 +195,7 @@ def collect(
         if episode.succeeded:
             episodes.append(episode)
             total += len(episode.actions)
-            if on_step:
-                on_step(min(total, collection.timesteps), collection.timesteps)
+            on_step(min(total, collection.timesteps))
         elif failed_in_a_row >= PATIENCE:
             raise BadInput(f"{collection.task}, {collection.method}: {PATIENCE} attempts in a row failed")
         if total >= collection.timesteps:
@@ -247,6 +221,24 @@ def _join(episodes: list[Episode], budget: int) -> Demonstrations:
     observations = np.stack([frame for episode in episodes for frame in episode.observations][:budget])
     actions = np.stack([action for episode in episodes for action in episode.actions][:budget])
     return Demonstrations(observations, actions, ends.astype(np.int64))
+
+
+def _end_to_end(made: list[tuple[Demonstrations, CollectionRecord]]) -> tuple[Demonstrations, CollectionRecord]:
+    """The parts of a mixture as one data set and its record."""
+    parts, records = zip(*made, strict=True)
+    behind = np.cumsum([0, *(part.timesteps for part in parts[:-1])])
+    attempts, demonstrations = (sum(getattr(record, name) for record in records)
+                                for name in ("attempts", "demonstrations"))
+    lists = {name: [value for record in records for value in getattr(record, name)]
+             for name in ("grasp_points", "starts", "grasps", "jumps")}
+    return Demonstrations(
+        np.concatenate([part.observations for part in parts]), np.concatenate([part.actions for part in parts]),
+        np.concatenate([part.episode_ends + before for part, before in zip(parts, behind, strict=True)]),
+    ), CollectionRecord(
+        attempts=attempts, demonstrations=demonstrations, timesteps=sum(record.timesteps for record in records),
+        mean_steps=sum(record.mean_steps * record.demonstrations for record in records) / demonstrations,
+        generation_rate=demonstrations / attempts, seconds=sum(record.seconds for record in records), **lists,
+    )
 
 
 def record_attributes(collection: Collection, seed: int, record: CollectionRecord) -> dict:

@@ -16,7 +16,7 @@ from move.machine import accelerator, best_device, processor
 from move.paths import results
 from move.sim.demonstrations import Demonstrations
 from move.sim.scene.scene import Scene
-from move.study.profiles import Profile, load_profile
+from move.study.profiles import Profile
 from move.study.results import Result, split
 from move.study.spec import RunSpec
 
@@ -25,23 +25,23 @@ TRIAL_MINUTES = 2.5  # to collect again and try a policy that is there, from pix
 MEASURED_STEPS = 3
 
 
-def plan_rows(profile: str, figures: dict[str, list[RunSpec]]) -> list[dict[str, Any]]:
+def plan_rows(profile: Profile, figures: dict[str, list[RunSpec]]) -> list[dict[str, Any]]:
     """One row a figure: how many runs, how many stored, why the others are missing, and the hours they would take.
 
     What several figures or runs share, a run or a policy, counts in the first of them. A profile without an estimate of
     its own has a gradient step measured here, which is slow without a GPU.
     """
-    settings, rows = load_profile(profile), []
+    rows: list[dict[str, Any]] = []
     runs: set[str] = set()
     policies: set[str] = set()
-    minutes = dict(settings.minutes)
+    minutes = dict(profile.minutes)
     for figure, specs in figures.items():
         there, missing = split(specs, results(profile))
         todo = {spec.hash: spec for spec, _ in missing if spec.hash not in runs}
         hours = 0.0
         for spec in todo.values():
             trained = spec.training is not None and spec.policy_hash in policies
-            hours += (TRIAL_MINUTES if trained else _minutes(spec, there, minutes, settings)) / 60
+            hours += (TRIAL_MINUTES if trained else _minutes(spec, there, minutes, profile.image_size)) / 60
             policies.add(spec.policy_hash)
         runs |= set(todo)
         reasons = Counter(why if why == "not computed yet" else "unusable result" for _, why in missing)
@@ -56,16 +56,16 @@ def plan_rows(profile: str, figures: dict[str, list[RunSpec]]) -> list[dict[str,
     return rows
 
 
-def plan_title(profile: str) -> str:
+def plan_title(profile: Profile) -> str:
     """One line on what the hours of `plan_rows` are hours of."""
-    if load_profile(profile).minutes:
-        return f"Profile {profile}: what `move run` would do (core-hours)"
+    if profile.minutes:
+        return f"Profile {profile.name}: what `move run` would do (core-hours)"
     on_gpu = best_device() == "cuda"
     unit = f"GPU-hours of one {accelerator()}" if on_gpu else f"CORE-hours of {processor()}: no GPU here"
-    return f"Profile {profile}: what `move run` would do ({unit}; gradient steps alone, from a step measured now)"
+    return f"Profile {profile.name}: what `move run` would do ({unit}; gradient steps alone, from a step measured now)"
 
 
-def _minutes(spec: RunSpec, there: list[Result], minutes: dict[str, float], settings: Profile) -> float:
+def _minutes(spec: RunSpec, there: list[Result], minutes: dict[str, float], image_size: int) -> float:
     """Minutes of one run: the median of stored runs like it, or the profile's estimate, or from a measured step."""
     alike = [sum(result.seconds.values()) / 60 for result in there
              if result.spec.observation == spec.observation and result.spec.task == spec.task]
@@ -74,7 +74,7 @@ def _minutes(spec: RunSpec, there: list[Result], minutes: dict[str, float], sett
     if spec.training is None:
         return CONTROL_MINUTES
     if spec.observation not in minutes:
-        seconds = step_seconds(spec.training, _example(spec, settings.image_size))
+        seconds = step_seconds(spec.training, _example(spec, image_size))
         minutes[spec.observation] = seconds * spec.training.gradient_steps / 60
     return minutes[spec.observation]
 

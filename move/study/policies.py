@@ -9,10 +9,11 @@ from move import paths
 from move.errors import BadInput
 from move.learn.checkpoint import load_policy, read
 from move.learn.diffusion import DiffusionPolicy
+from move.study.profiles import Profile
 from move.study.spec import RunSpec
 
 
-def _shipped(spec: RunSpec, profile: str) -> Path:
+def _shipped(spec: RunSpec, profile: Profile) -> Path:
     return paths.results(profile) / "policies" / spec.policy_hash
 
 
@@ -20,7 +21,7 @@ def _trained_here(spec: RunSpec) -> Path:
     return paths.RUNS / spec.policy_hash / "policy"
 
 
-def trained_policy(spec: RunSpec, profile: str) -> DiffusionPolicy:
+def trained_policy(spec: RunSpec, profile: Profile) -> DiffusionPolicy:
     """The policy that the run `spec` evaluated.
 
     Raises:
@@ -33,7 +34,7 @@ def trained_policy(spec: RunSpec, profile: str) -> DiffusionPolicy:
                    "give `move run` again to train it here")
 
 
-def ship(spec: RunSpec, profile: str) -> Path:
+def ship(spec: RunSpec, profile: Profile) -> Path:
     """Copy the finished policy of a run on this machine beside the profile's results.
 
     Raises:

@@ -13,6 +13,8 @@ from move.errors import BadInput
 from move.learn.settings import Training
 from move.machine import gl_problem
 from move.paths import PROFILES
+from move.sim.collection import Method
+from move.study.validation import first_problem
 
 
 class Profile(BaseModel):
@@ -20,8 +22,18 @@ class Profile(BaseModel):
 
     model_config = ConfigDict(frozen=True, strict=True, extra="forbid")
 
+    name: str = Field(default="", description="the file's, without its ending")
     purpose: str = Field(description="one sentence that every picture of the profile carries")
-    image_size: int = Field(96, ge=16, le=512, description="pixels along a side")
+    stamp: str = Field(
+        default="", description="written across every picture of a profile that proves nothing, whose results stay out "
+        "of git"
+    )
+    shipped: bool = Field(default=False, description="whether its figures and tables are those in git")
+    image_size: int = Field(default=96, ge=16, le=512, description="pixels along a side")
+    collection: dict[Method, dict[str, Any]] = Field(
+        default_factory=dict, description="by method: fields of Collection that its runs have where an experiment "
+        "chooses none"
+    )
     training: dict[str, Training] = Field(description="the recipe for each observation, alike for all methods")
     gradient_steps: dict[str, dict[PositiveInt, PositiveInt]] = Field(
         default_factory=dict, description="by observation: gradient steps for so many timesteps of data"
@@ -102,7 +114,7 @@ def refuse_text_numbers(content: Any, where: str) -> None:
 
 
 def load_profile(name: str) -> Profile:
-    """The profile called `name`.
+    """The profile called `name`, read from its file.
 
     Raises:
         BadInput: no such profile, or a setting that is wrong; the message says which.
@@ -111,15 +123,7 @@ def load_profile(name: str) -> Profile:
         raise BadInput(f"profile: {name!r} given; allowed are {', '.join(names())} (files under {PROFILES})")
     path = PROFILES / f"{name}.yaml"
     try:
-        return Profile.model_validate(read_yaml(path))
+        content = read_yaml(path)
+        return Profile.model_validate(content | {"name": name} if isinstance(content, dict) else content)
     except ValidationError as error:
         raise BadInput(f"{path}: {first_problem(error)}") from error
-
-
-def first_problem(error: ValidationError) -> str:
-    """The first thing that pydantic found wrong, in one line: where, what was given, what is allowed."""
-    first = error.errors()[0]
-    where = ".".join(str(part) for part in first["loc"]) or "settings"
-    given = first.get("input")
-    shown = "" if isinstance(given, dict | list | BaseModel) else f"{given!r} given; "
-    return f"{where}: {shown}{first['msg'].removeprefix('Value error, ').lower()}"

@@ -10,7 +10,8 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import pandas as pd
@@ -18,6 +19,7 @@ from pydantic import ValidationError
 
 from move.errors import BadInput
 from move.sim.motion.adc import JUMPS
+from move.study.labels import Label
 from move.study.spec import RunSpec
 
 
@@ -31,6 +33,7 @@ class Result:
     training: dict | None
     seconds: dict[str, float]  # wall-clock of each part
     provenance: dict
+    labels: Mapping[str, Label] = field(default_factory=dict)  # the run's in the experiment that asked; not stored
 
     @property
     def rate(self) -> float:
@@ -52,6 +55,7 @@ def store(result: Result, folder: Path) -> Path:
     """
     columns = {name: [row[name] for row in result.rows] for name in result.rows[0]}
     content = {**vars(result), "spec": result.spec.model_dump(mode="json"), "rows": columns}
+    del content["labels"]
     content = json.loads(json.dumps(content))
     content["digest"] = _digest(content)
     path = folder / f"{result.spec.hash}.json"
@@ -121,10 +125,17 @@ def split(specs: list[RunSpec], folder: Path) -> tuple[list[Result], list[tuple[
 
 
 def table(results: list[Result]) -> pd.DataFrame:
-    """All episodes of all results, one row each, with the columns a figure groups by."""
+    """All episodes of all results, one row each, with the columns a figure groups by: labels, and what every run has.
+
+    Column `kind` is "policy", "control" or "collector"; `timesteps` is 0 for a control, which has no demonstrations.
+
+    Raises:
+        BadInput: a label that has the name of an episode's own column.
+    """
     frames = [
-        pd.DataFrame(result.rows).assign(
+        _episodes(result).assign(
             run=result.spec.hash,
+            kind=result.spec.kind,
             task=result.spec.task,
             method=result.spec.method,
             observation=result.spec.observation,
@@ -138,6 +149,13 @@ def table(results: list[Result]) -> pd.DataFrame:
         for result in results
     ]
     return pd.concat(frames, ignore_index=True) if frames else pd.DataFrame()
+
+
+def _episodes(result: Result) -> pd.DataFrame:
+    rows = pd.DataFrame(result.rows)
+    if taken := set(result.labels) & set(rows):
+        raise BadInput(f"label: {', '.join(sorted(taken))} given, which every episode has; allowed is another name")
+    return rows.assign(**result.labels)
 
 
 def _named(spec: RunSpec) -> str:

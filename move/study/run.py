@@ -10,6 +10,7 @@ from dataclasses import asdict
 from itertools import islice
 from pathlib import Path
 
+import numpy as np
 from filelock import FileLock
 
 from move.errors import BadInput
@@ -20,6 +21,7 @@ from move.learn.train import TrainingReport, train
 from move.machine import best_device, one_thread
 from move.paths import RUNS
 from move.sim.collect import CollectionRecord, attempts, collect
+from move.sim.configuration import SpatialConfiguration
 from move.sim.motion.adc import Jumping
 from move.sim.tasks import get_task
 from move.study.provenance import provenance
@@ -74,13 +76,21 @@ def _evaluate(
     own = {"own": record.starts, "grasp": record.grasps}.get(spec.evaluation.layout, []) if record else []
     rows = evaluate(
         player, get_task(spec.task), spec.evaluation,
-        own=own[: spec.evaluation.episodes],
+        own=_some(own, spec),
         observation=spec.collection.observation if spec.collection else "keypoints",
         image_size=spec.collection.image_size if spec.collection else 96,
         on_step=lambda done, total: report("evaluate", done, total),
     )
     seconds["evaluate"] = time.perf_counter() - started
     return rows
+
+
+def _some(own: list[SpatialConfiguration], spec: RunSpec) -> list[SpatialConfiguration]:
+    """As many of a policy's own configurations as are tried: the first ones; of a mixture some of each part."""
+    count = spec.evaluation.episodes
+    if spec.method != "mixture" or len(own) <= count:
+        return own[:count]
+    return [own[index] for index in np.linspace(0, len(own) - 1, count).round().astype(int)]
 
 
 def _player(

@@ -39,6 +39,8 @@ class RunSpec(BaseModel):
         if needed != (self.collection is not None, self.training is not None):
             raise ValueError(f"player {self.player!r}: a policy has a collection and a training, a collector a "
                              "collection only, a control neither")
+        if self.player == "collector" and self.collection.method == "mixture":
+            raise ValueError("attempts of a mixture; allowed are those of each of its methods")
         if self.evaluation.layout in ("own", "grasp") and self.player != "policy":
             raise ValueError(f"player {self.player!r} learnt from nothing; layout {self.evaluation.layout!r} is for "
                              "policies")
@@ -57,6 +59,11 @@ class RunSpec(BaseModel):
     def policy_hash(self) -> str:
         """The hash of the run that tries the same policy as `Evaluation()` says: alike where only the trial differs."""
         return self.model_copy(update={"evaluation": Evaluation()}).hash
+
+    @property
+    def kind(self) -> str:
+        """Whether the run has a "policy", is a "control", or counts attempts of a "collector"."""
+        return self.player if self.player in ("policy", "collector") else "control"
 
     @property
     def observation(self) -> str:

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Any
+from typing import Any, Literal
 
 import gymnasium
 import numpy as np
@@ -23,7 +23,9 @@ from pydantic import BaseModel, ConfigDict, Field
 from move.sim.configuration import Box, Disc, SpatialConfiguration
 from move.sim.motion import equations
 from move.sim.scene.scene import Scene
-from move.sim.tasks.task import FACTORS
+from move.sim.tasks.task import FACTORS, Task
+
+Part = Literal["object", "rotation", "target", "camera"]
 
 
 class Motions(BaseModel):
@@ -214,17 +216,28 @@ class CameraMotion(Motion):
         self.scene.move_camera(configuration.camera_angle)
 
 
+def movable(task: Task, factors: str) -> tuple[Part, ...]:
+    """What can move: the object, its rotation where the task has a yaw, and what `factors` randomises of the rest.
+
+    >>> from move.sim.tasks import get_task
+    >>> movable(get_task("pick-place"), "all")
+    ('object', 'target', 'camera')
+    """
+    able = {"object": True, "rotation": task.has_yaw, "target": task.has_target and "target" in FACTORS[factors],
+            "camera": "camera" in FACTORS[factors]}
+    return tuple(part for part in able if able[part])
+
+
 def with_motions(scene: Scene, motions: Motions, factors: str, region: Box | Disc | None = None,
                  arrive: bool = False) -> gymnasium.Env:
     """MOVE's staged strategy around `scene`: only what `factors` randomises moves, and only with a speed above 0."""
-    free, task = FACTORS[factors], scene.task
-    env: gymnasium.Env = scene
+    able, env = movable(scene.task, factors), scene
     if motions.object_speed:
         env = ObjectTranslation(env, motions.object_speed, region, arrive)
-    if motions.yaw_speed and task.has_yaw:
-        env = ObjectRotation(env, motions.yaw_speed * task.yaw_speed_scale)
-    if motions.target_speed and task.has_target and "target" in free:
+    if motions.yaw_speed and "rotation" in able:
+        env = ObjectRotation(env, motions.yaw_speed * scene.task.yaw_speed_scale)
+    if motions.target_speed and "target" in able:
         env = TargetTranslation(env, motions.target_speed)
-    if motions.camera_speed and "camera" in free:
+    if motions.camera_speed and "camera" in able:
         env = CameraMotion(env, motions.camera_speed)
     return env

@@ -1,0 +1,176 @@
+"""What to collect, as data: the methods that exist, and everything that decides a data set but for the seed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal, Self, get_args
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator, model_validator
+
+from move.sim.motion.adc import Jumping
+from move.sim.motion.wrappers import Motions, Part, movable
+from move.sim.tasks import FACTORS, TASKS, get_task
+
+Method = Literal["static", "adc", "move", "mixture"]
+METHODS: tuple[str, ...] = get_args(Method)
+"""All that exist; those of the paper are `move.paper.PAPER_METHODS`."""
+
+FASTEST = 0.3  # metres per step: across the object's range in one step
+FASTEST_TURN = math.radians(20)  # radians per step: a half circle in nine steps
+Speed = Annotated[float, Field(gt=0, le=FASTEST, allow_inf_nan=False)]
+Share = Annotated[float, Field(gt=0, lt=1, allow_inf_nan=False)]
+MOTION_CHOICES = ("moving", "object_speed", "target_speed", "camera_speed")
+
+
+class Collection(BaseModel):
+    """Everything that decides a data set, but for the seed.
+
+    A motion that is chosen as it is anyway counts as not chosen, so that the same data have one hash.
+    """
+
+    model_config = ConfigDict(frozen=True, strict=True, extra="forbid")
+
+    task: str = Field(description="a name in move.sim.tasks.TASKS")
+    method: Method = Field(description="how it is collected")
+    timesteps: int = Field(gt=0, description="the budget, in steps of the environment")
+    observation: Literal["keypoints", "rgb"] = Field(default="keypoints", description="what is kept of each timestep")
+    image_size: int = Field(default=96, ge=16, le=512, description="pixels along a side")
+    factors: str = Field(default="all", description="what is random: a name in move.sim.tasks.FACTORS")
+    protocol: Literal["random", "sparse", "dense", "circle"] = Field(default="random", description="where it grasps")
+    expert: Literal["phase", "metaworld"] = Field(default="phase", description="who demonstrates")
+    motions: Motions = Field(default=Motions(), description="MOVE's motions before the choices below")
+    jumping: Jumping = Field(default=Jumping(), description="when ADC's object and target jump")
+    hand_spread: float = Field(
+        default=0.0, ge=0, le=0.1, allow_inf_nan=False, description="metres; half-side of the box around the task's "
+        "fixed hand in which the hand starts where the grasp point is prescribed; 0: all start alike"
+    )
+    shares: tuple[tuple[Literal["static", "adc", "move"], Share], ...] = Field(
+        default=(), description="of a mixture: each method's share of the timesteps, sum 1; a mapping may be given"
+    )
+    moving: tuple[Part, ...] | None = Field(default=None, description="what moves under MOVE; None: all that can")
+    object_speed: Speed | None = Field(default=None, description="the largest; metres per step; None: that of motions")
+    target_speed: Speed | None = Field(default=None, description="the same of the target")
+    camera_speed: Annotated[float, Field(gt=0, le=FASTEST_TURN, allow_inf_nan=False)] | None = Field(
+        default=None, description="the same of the camera; radians per step"
+    )
+
+    @field_validator("task")
+    @classmethod
+    def _known_task(cls, name: str) -> str:
+        if name not in TASKS:
+            raise ValueError(f"allowed are {', '.join(TASKS)}")
+        return name
+
+    @field_validator("factors")
+    @classmethod
+    def _known_factors(cls, name: str) -> str:
+        if name not in FACTORS:
+            raise ValueError(f"allowed are {', '.join(FACTORS)}")
+        return name
+
+    @field_validator("shares", "moving", mode="before")
+    @classmethod
+    def _as_yaml_and_json_write_it(cls, value: Any) -> Any:
+        if isinstance(value, Mapping):
+            return tuple(value.items())
+        if isinstance(value, list):
+            return tuple(tuple(item) if isinstance(item, list) else item for item in value)
+        return value
+
+    @field_validator("shares")
+    @classmethod
+    def _in_the_order_of_methods(cls, shares: tuple[tuple[str, float], ...]) -> tuple[tuple[str, float], ...]:
+        return tuple(sorted(shares, key=lambda share: METHODS.index(share[0])))
+
+    @field_validator("moving")
+    @classmethod
+    def _each_part_once(cls, moving: tuple[str, ...] | None, info: ValidationInfo) -> tuple[str, ...] | None:
+        if moving is None or not {"task", "method", "factors", "motions"} <= info.data.keys():
+            return moving
+        able = _able_to_move(info.data)
+        if not moving or len(set(moving)) < len(moving) or set(moving) - set(able):
+            raise ValueError(f"{', '.join(moving) or 'nothing'} given; allowed are one or more of {', '.join(able)}, "
+                             "each once")
+        return None if set(moving) == set(able) else tuple(part for part in able if part in moving)
+
+    @field_validator("object_speed", "target_speed", "camera_speed")
+    @classmethod
+    def _of_what_moves(cls, speed: float | None, info: ValidationInfo) -> float | None:
+        if speed is None or not {"task", "method", "factors", "motions", "moving"} <= info.data.keys():
+            return speed
+        able = info.data["moving"] or _able_to_move(info.data)
+        if (part := info.field_name.removesuffix("_speed")) not in able:
+            raise ValueError(f"the {part} does not move; allowed are speeds of {', '.join(able)}")
+        return None if speed == getattr(Motions(), info.field_name) else speed
+
+    @model_validator(mode="after")
+    def _nothing_without_effect(self) -> Self:
+        if self.hand_spread and self.protocol == "random":
+            raise ValueError(f"hand_spread {self.hand_spread} with protocol 'random'; allowed there is 0, for the "
+                             "hand's start is one of the factors")
+        if self.jumping != Jumping() and "adc" not in self.methods:
+            raise ValueError(f"jumping is given for method {self.method!r}; allowed for 'adc' only")
+        return self
+
+    @model_validator(mode="after")
+    def _shares_make_a_whole(self) -> Self:
+        names = [name for name, _ in self.shares]
+        if self.method != "mixture":
+            if names:
+                raise ValueError(f"shares are given for method {self.method!r}; allowed for 'mixture' only")
+        elif len(names) < 2 or len(set(names)) < len(names):
+            raise ValueError(f"a mixture of {', '.join(names) or 'nothing'}; allowed are shares of two methods or more")
+        elif not math.isclose(math.fsum(share for _, share in self.shares), 1, abs_tol=1e-9):
+            raise ValueError(f"shares add up to {math.fsum(share for _, share in self.shares):g}; allowed is 1")
+        elif min(steps := self._steps()) < 1:
+            raise ValueError(f"shares give {', '.join(map(str, steps))} of {self.timesteps} timesteps; allowed is one "
+                             "each at least")
+        return self
+
+    @property
+    def methods(self) -> tuple[str, ...]:
+        """The methods of its parts: one, but for a mixture."""
+        return tuple(name for name, _ in self.shares) or (self.method,)
+
+    @property
+    def parts(self) -> tuple[Collection, ...]:
+        """The collections that it is made of: of a mixture one a method, with its share of the timesteps; else itself.
+
+        Shares are rounded down to whole timesteps; the last part has the rest.
+        """
+        if self.method != "mixture":
+            return (self,)
+        return tuple(self._part(name, steps) for name, steps in zip(self.methods, self._steps(), strict=True))
+
+    def _steps(self) -> list[int]:
+        first = [math.floor(share * self.timesteps + 1e-9) for _, share in self.shares[:-1]]
+        return [*first, self.timesteps - sum(first)]
+
+    def _part(self, method: str, timesteps: int) -> Collection:
+        changes: dict[str, Any] = {"method": method, "timesteps": timesteps, "shares": ()}
+        if method != "move":
+            changes |= {"motions": Motions(), **dict.fromkeys(MOTION_CHOICES)}
+        if method != "adc":
+            changes["jumping"] = Jumping()
+        return self.model_copy(update=changes)
+
+    @property
+    def motions_used(self) -> Motions:
+        """MOVE's motions with the choices of this collection: the largest speeds, 0 of a part that stands still."""
+        chosen = {name: getattr(self, name) for name in MOTION_CHOICES[1:] if getattr(self, name) is not None}
+        if self.moving is not None:
+            fields = {"object": "object_speed", "rotation": "yaw_speed", "target": "target_speed",
+                      "camera": "camera_speed"}
+            chosen |= {field: 0.0 for part, field in fields.items() if part not in self.moving}
+        return self.motions.model_copy(update=chosen)
+
+
+def _able_to_move(chosen: dict[str, Any]) -> tuple[str, ...]:
+    """What MOVE moves in a collection of which the first fields are chosen, if one may choose it there."""
+    methods = [name for name, _ in chosen.get("shares", ())] or [chosen["method"]]
+    if "move" not in methods:
+        raise ValueError(f"nothing moves under method {chosen['method']!r}; allowed for 'move' only")
+    if chosen["motions"] != Motions():
+        raise ValueError("motions are given too; allowed is one of the two")
+    return movable(get_task(chosen["task"]), chosen["factors"])

@@ -1,0 +1,32 @@
+"""Which runs make which figure: one registered function a figure, from a profile and its parameters to labelled runs.
+
+preliminary.py  figures 1, 3 and 5, table 1: Pick-Place, static and MOVE
+main.py         table 2, and the same policies at their own grasps and as pictures
+ablations.py    the recipe for pictures, one change at a time; how long one trains; how ADC jumps
+controls.py     from keypoints; what a demonstration costs
+floors.py       floors and ceilings
+budgets.py      tasks with the paper's budgets
+registry.py     `@experiment`, and an experiment's runs by its name
+
+The parameters are those of the notebook of the same name; a profile's YAML may change them. Static, ADC and MOVE get
+the same budget, recipe, evaluation and seeds.
+"""
+
+# ruff: noqa: I001, the order of import is the order in which the experiments are listed and planned
+from move.study.experiments.preliminary import (
+    HAND_SPREAD,
+    fig1_sparse,
+    fig3_dense,
+    fig5_circle,
+    table1_spatial_factors,
+)
+from move.study.experiments.main import generalization, rollouts, table2_main
+from move.study.experiments.ablations import RECIPE_CHANGES, fig_training_length, table_adc, table_recipe
+from move.study.experiments.controls import keypoint_control, table6_collection, table_keypoint_control
+from move.study.experiments.registry import EXPERIMENTS, experiment, parameters, runs, specs
+
+__all__ = [
+    "EXPERIMENTS", "HAND_SPREAD", "RECIPE_CHANGES", "experiment", "fig1_sparse", "fig3_dense", "fig5_circle",
+    "fig_training_length", "generalization", "keypoint_control", "parameters", "rollouts", "runs", "specs",
+    "table1_spatial_factors", "table2_main", "table6_collection", "table_adc", "table_keypoint_control", "table_recipe",
+]

@@ -1,0 +1,17 @@
+"""Each task's floor and ceiling: what those score who learnt nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from functools import partial
+
+from move.sim.tasks import get_task
+from move.study.kinds import control_run
+from move.study.labels import LabelledRun, grid
+
+
+def floors_and_ceilings(tasks: Iterable[str], episodes: int) -> list[LabelledRun]:
+    """Of each task: doing nothing, random actions, the expert, and with a goal the expert told a wrong one."""
+    base = partial(control_run, episodes=episodes)
+    players = {task: ["nothing", "random", "expert"] + ["goal-blind"] * get_task(task).has_target for task in tasks}
+    return [run for task, those in players.items() for run in grid(base, task=[task], player=those)]

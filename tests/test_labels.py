@@ -1,0 +1,121 @@
+"""Runs that carry labels: products of named axes, columns of the table, and one reading of the profile."""
+
+import dataclasses
+from functools import partial
+
+import pytest
+
+from move import paper, paths
+from move.errors import BadInput
+from move.learn.evaluate import Evaluation
+from move.study import experiments, profiles, results
+from move.study.kinds import collector_run, control_run, policy_run
+from move.study.labels import LabelledRun, distinct, grid
+from move.study.profiles import Profile, load_profile
+
+SMOKE = load_profile("smoke")
+PUSH = partial(policy_run, SMOKE, task="push", method="move", seed=0, timesteps=100, observation="keypoints")
+
+
+def test_a_grid_is_the_product_of_its_axes_with_the_last_one_fastest():
+    base = partial(policy_run, SMOKE, task="push", observation="keypoints")
+    runs = grid(base, timesteps=(100, 200), seed=range(2), method=("static", "move"))
+    found = [(run.spec.collection.timesteps, run.spec.seed, run.spec.method) for run in runs]
+    assert found == [(100, 0, "static"), (100, 0, "move"), (100, 1, "static"), (100, 1, "move"),
+                     (200, 0, "static"), (200, 0, "move"), (200, 1, "static"), (200, 1, "move")]
+    assert [tuple(run.labels.values()) for run in runs] == found
+    assert list(runs[0].labels) == ["timesteps", "seed", "method"]
+
+
+def test_a_mapping_gives_a_label_to_several_settings():
+    runs = grid(partial(PUSH), change={"none": {}, "slow and long": {"learning_rate": 1e-4, "length": 2}})
+    assert [run.labels for run in runs] == [{"change": "none"}, {"change": "slow and long"}]
+    none, other = (run.spec.training for run in runs)
+    assert none == SMOKE.training["keypoints"]
+    assert (other.learning_rate, other.gradient_steps) == (1e-4, 2 * none.gradient_steps)
+
+
+def test_a_setting_goes_to_the_part_of_the_run_that_has_it():
+    spec = PUSH(factors="object", protocol="sparse", hand_spread=0.01, episodes=7, batch_size=8)
+    assert spec.collection.factors == spec.evaluation.factors == "object"
+    assert (spec.collection.protocol, spec.collection.hand_spread) == ("sparse", 0.01)
+    assert (spec.evaluation.episodes, spec.training.batch_size) == (7, 8)
+
+
+@pytest.mark.parametrize(("make", "message"), [
+    (lambda: grid(PUSH, motions=[{"object_speed": 1}]), "axis motions: .* a mapping from such labels"),
+    (lambda: grid(PUSH, a={"x": {"episodes": 3}}, episodes=[2]), "axis episodes: chooses episodes; allowed"),
+    (lambda: PUSH(budget=3), "no setting budget; allowed are task, "),
+    (lambda: PUSH(batch_size=-1), "batch_size: -1 given; input should be greater than 0"),
+    (lambda: PUSH(protocol="spiral"), "protocol: 'spiral' given"),
+    (lambda: control_run(task="push", player="dog"), "player: 'dog' given"),
+    (lambda: collector_run(SMOKE, task="push", method="move", attempts=0), "episodes: 0 given"),
+    (lambda: experiments.fig1_sparse(profile="laptop"), "fig1_sparse: profile: 'laptop' given"),
+])
+def test_what_no_run_can_be_is_one_clear_line(make, message):
+    with pytest.raises(BadInput, match=message) as problem:
+        make()
+    assert "\n" not in str(problem.value)
+
+
+def test_labels_are_neither_hashed_nor_stored_and_become_columns(tmp_path):
+    run = LabelledRun(control_run(task="push", player="expert"), {"colour": "red", "task": "push"})
+    assert run.spec.hash == control_run(task="push", player="expert").hash
+    rows = [{"trial": 0, "group": "random", "success": True}]
+    results.store(results.Result(run.spec, rows, None, None, {}, {}, run.labels), tmp_path)
+    again = results.load(run.spec, tmp_path)
+    assert again.labels == {} and "red" not in (tmp_path / f"{run.spec.hash}.json").read_text()
+    table = results.table([dataclasses.replace(again, labels=run.labels)])
+    assert table.loc[0, ["colour", "task", "kind", "method"]].tolist() == ["red", "push", "control", "expert"]
+    with pytest.raises(BadInput, match="label: success given"):
+        results.table([dataclasses.replace(again, labels={"success": 1})])
+
+
+def test_of_runs_with_one_hash_the_first_is_kept():
+    first, second = LabelledRun(PUSH(), {"change": "chosen"}), LabelledRun(PUSH(), {"change": "none"})
+    other = first.tried(Evaluation(episodes=3))
+    assert distinct([first, second, other]) == [first, other] and other.labels == first.labels
+
+
+def test_a_profile_is_read_once_however_many_runs_it_makes(monkeypatch):
+    read = []
+    real = profiles.read_yaml
+    monkeypatch.setattr(profiles, "read_yaml", lambda path: read.append(path) or real(path))
+    profile = load_profile("laptop")
+    assert len(experiments.specs("table2_main", profile)) > 60 and len(read) == 1
+
+
+def test_a_profile_says_where_its_files_go():
+    laptop, other = load_profile("laptop"), load_profile("laptop-keypoints")
+    assert paths.figures(laptop) == paths.ROOT / "paper_figures" != paths.figures(other)
+    assert paths.results(other) == paths.ROOT / "results" / "laptop-keypoints"
+    assert SMOKE.stamp and paths.results(SMOKE).is_relative_to(paths.BUILD)
+    assert [name for name in profiles.names() if load_profile(name).shipped] == ["laptop"]
+    assert [name for name in profiles.names() if load_profile(name).stamp] == ["smoke"]
+
+
+def test_a_profile_may_choose_how_a_method_collects():
+    profile = SMOKE.model_copy(update={"collection": {"move": {"hand_spread": 0.02}}})
+    base = partial(policy_run, profile, task="push", seed=0, timesteps=100, protocol="sparse")
+    spread = {run.labels["method"]: run.spec.collection.hand_spread for run in grid(base, method=("static", "move"))}
+    assert spread == {"static": 0.0, "move": 0.02}
+    assert base(method="move", hand_spread=0.01).collection.hand_spread == 0.01  # the experiment's choice is stronger
+
+
+@pytest.mark.parametrize("name", experiments.EXPERIMENTS)
+def test_experiments_have_the_papers_methods_and_tasks_and_no_other(name):
+    """So a method or a task that is added to the package adds no run to any of them."""
+    for profile in map(load_profile, profiles.names()):
+        specs = experiments.specs(name, profile)
+        assert {spec.method for spec in specs if spec.collection} <= set(paper.PAPER_METHODS)
+        assert {spec.task for spec in specs} <= set(paper.PAPER_TASKS)
+
+
+def test_a_new_experiment_needs_one_function(monkeypatch):
+    monkeypatch.setattr("move.study.experiments.registry.EXPERIMENTS", {})
+
+    @experiments.experiment
+    def mine(profile: Profile, seeds: int = 2) -> list[LabelledRun]:
+        return grid(partial(control_run, task="push", player="random"), seed=range(seeds))
+
+    assert [run.labels["seed"] for run in experiments.runs("mine", SMOKE)] == [0, 1]
