@@ -82,13 +82,13 @@ def test_angles_stay_in_their_range(start, velocity, time):
 
 def test_speeds_follow_beta_2_5():
     rng = np.random.default_rng(0)
-    speeds = np.array([equations.draw_speed(rng, 0.03) for _ in range(5000)]) / 0.03
+    speeds = np.array([equations.sample_speed(rng, 0.03) for _ in range(5000)]) / 0.03
     assert stats.kstest(speeds, stats.beta(2, 5).cdf).pvalue > 0.01
 
 
 def test_directions_in_the_plane_are_uniform_unit_vectors():
     rng = np.random.default_rng(1)
-    directions = np.array([equations.draw_direction(rng, 2) for _ in range(5000)])
+    directions = np.array([equations.sample_direction(rng, 2) for _ in range(5000)])
     assert np.linalg.norm(directions, axis=1) == pytest.approx(1.0)
     angles = np.arctan2(directions[:, 1], directions[:, 0])
     assert stats.kstest(angles, stats.uniform(-np.pi, 2 * np.pi).cdf).pvalue > 0.01
@@ -97,7 +97,7 @@ def test_directions_in_the_plane_are_uniform_unit_vectors():
 
 def test_directions_on_the_sphere_are_uniform_unit_vectors():
     rng = np.random.default_rng(2)
-    directions = np.array([equations.draw_direction(rng, 3) for _ in range(5000)])
+    directions = np.array([equations.sample_direction(rng, 3) for _ in range(5000)])
     assert np.linalg.norm(directions, axis=1) == pytest.approx(1.0)
     for axis in range(3):  # Archimedes: each coordinate of a uniform point on the sphere is uniform
         assert stats.kstest(directions[:, axis], stats.uniform(-1, 2).cdf).pvalue > 0.01
@@ -105,7 +105,7 @@ def test_directions_on_the_sphere_are_uniform_unit_vectors():
 
 def test_signs_are_fair():
     rng = np.random.default_rng(3)
-    signs = [equations.draw_sign(rng) for _ in range(2000)]
+    signs = [equations.sample_sign(rng) for _ in range(2000)]
     assert set(signs) == {-1, 1} and stats.binomtest(signs.count(1), 2000).pvalue > 0.01
 
 

@@ -103,21 +103,21 @@ def test_task_rates_stand_under_their_tasks_between_floor_and_ceiling():
     assert levels == {"expert": 1.0, "goal-blind expert": 0.3}
 
 
-def test_a_rate_at_its_own_grasps_is_hollow_and_one_elsewhere_filled():
-    own = rows(task="push", group="grasp")
-    elsewhere = rows(task="push", group="random")
-    elsewhere[["value", "low"]] /= 2
-    ax = draw(plots.own_and_elsewhere, pd.concat([own, elsewhere]))
+def test_a_rate_at_its_own_grasps_is_hollow_one_elsewhere_filled_and_one_in_motion_a_triangle():
+    table = pd.concat([rows(task="push", group=group).assign(value=lambda seen, part=part: seen.value * part)
+                       for group, part in (("grasp", 1), ("random", 0.5), ("moving", 0.25))]).assign(low=0.0)
+    ax = draw(plots.own_and_elsewhere, table)
+    looks = {"at its own grasps": (1, "o", "#ffffff"), "elsewhere": (0.5, "o", None),
+             "elsewhere, in motion": (0.25, "^", None)}
     for container in ax.containers:
         mark = container[0]
-        name, where = container.get_label().split(", ")
+        name, where = container.get_label().split(", ", 1)
         (method,) = (key for key in METHODS if NAME[key] == name)
-        hollow = where == "at its own grasps"
-        assert hollow or where == "elsewhere"
-        assert to_hex(mark.get_color()) == COLOUR[method]
-        assert mark.get_ydata()[0] == pytest.approx(VALUE[method] if hollow else VALUE[method] / 2)
-        assert to_hex(mark.get_markerfacecolor()) == ("#ffffff" if hollow else COLOUR[method])
-    assert len(ax.containers) == 6
+        part, shape, filling = looks[where]
+        assert to_hex(mark.get_color()) == COLOUR[method] and mark.get_marker() == shape
+        assert mark.get_ydata()[0] == pytest.approx(VALUE[method] * part)
+        assert to_hex(mark.get_markerfacecolor()) == (filling or COLOUR[method])
+    assert len(ax.containers) == 9
 
 
 def test_changes_stand_at_their_rates_beside_their_names():
@@ -153,4 +153,5 @@ def test_every_plot_of_methods_stands_in_this_file():
     public = {name for name, plot in vars(plots).items()
               if getattr(plot, "__module__", "") == plots.__name__ and not name.startswith("_")}
     assert public == {"rates", "grouped_rates", "gaps", "scaling", "task_rates", "own_and_elsewhere", "changes",
-                      "costs", "coverage", "lengths", "readings"} | {"heatmap", "grasps", "circle", "level", "picture"}
+                      "costs", "coverage", "lengths", "readings"} | {
+                          "heatmap", "grasps", "circle", "level", "picture", "coverages"}

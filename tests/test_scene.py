@@ -157,7 +157,7 @@ def test_projection_finds_the_object_in_the_picture(angle):
     scene = Scene(observation="rgb", image_size=96)
     there = replace(TASK.fixed, camera_angle=angle)
     scene.reset(options={"configuration": there})
-    with_object = scene.draw(96).astype(int)
+    with_object = scene.render_image(96).astype(int)
     column, row = camera.project(scene.point("body:obj")[None], angle, 96)[0]
     scene.move_object((0.0, 0.6, -1.0), 0.0)
     without = scene.refresh().astype(int)

@@ -2,54 +2,12 @@
 
 import numpy as np
 import pytest
-from scipy.special import expit
 
 from move.study import statistics
+from move.study.simulation import coverage, like_noise, outcomes
 from move.study.statistics import difference, holm, mean_difference, over_tasks, pooled_noise, success_rate
 
 DRAWS = 4000
-
-
-def world(rng, rate, deviation, seeds, configurations, hard):
-    """Outcomes and the rate that all trainings at all configurations would have; `deviation` is the trainings' SD.
-
-    Configurations differ in difficulty by 1.5 logits; a training shifts all of them alike.
-    """
-    centre, slope = logits(rate, deviation)
-    trained = centre + slope * rng.standard_normal((seeds, 1))
-    return rng.random((seeds, configurations)) < expit(trained + 1.5 * hard)
-
-
-_NODES, _WEIGHTS = np.polynomial.hermite_e.hermegauss(31)
-_WEIGHTS = _WEIGHTS / _WEIGHTS.sum()
-
-
-def moments(centre, slope):
-    """Mean over configurations and trainings, and SD over trainings of the mean over configurations."""
-    over = expit(centre + slope * _NODES[:, None] + 1.5 * _NODES[None]) @ _WEIGHTS
-    mean = _WEIGHTS @ over
-    return mean, np.sqrt(_WEIGHTS @ (over - mean) ** 2)
-
-
-_solved: dict[tuple[float, float], tuple[float, float]] = {}
-
-
-def logits(rate, deviation):
-    if (rate, deviation) not in _solved:
-        centre, slope = 0.0, 0.0
-        for _ in range(200):
-            mean, spread = moments(centre, slope)
-            centre += 4 * (rate - mean)
-            slope = max(0.0, slope + 4 * (deviation - spread))
-        assert np.allclose(moments(centre, slope), (rate, deviation), atol=2e-3)
-        _solved[rate, deviation] = centre, slope
-    return _solved[rate, deviation]
-
-
-def like_cells(rng, rate, deviation, configurations):
-    """The noise that ten other cells of three seeds tell, as a table with more seeds elsewhere would."""
-    return pooled_noise(world(rng, rate, deviation, 3, configurations, rng.standard_normal(configurations))
-                        for _ in range(10))
 
 
 CASES = [(seeds, deviation, rate) for seeds in (1, 3, 5) for deviation, rate in ((0.03, 0.9), (0.08, 0.5), (0.2, 0.4))]
@@ -59,9 +17,9 @@ CASES = [(seeds, deviation, rate) for seeds in (1, 3, 5) for deviation, rate in 
 def test_a_rates_interval_covers_as_often_as_it_says(seeds, deviation, rate):
     rng, covered = np.random.default_rng([seeds, int(100 * deviation)]), 0
     for draw in range(DRAWS):
-        cell = world(rng, rate, deviation, seeds, 100, rng.standard_normal(100))
+        cell = outcomes(rng, rate, deviation, seeds, rng.standard_normal(100))
         if draw % 10 == 0:
-            pooled = like_cells(rng, rate, deviation, 100)
+            pooled = like_noise(rng, rate, deviation, 100)
         found = success_rate(cell, pooled)
         covered += found.low <= rate <= found.high
     assert 0.93 <= covered / DRAWS <= 0.97
@@ -72,12 +30,26 @@ def test_a_differences_interval_covers_as_often_as_it_says(seeds, deviation, rat
     rng, covered, other = np.random.default_rng([seeds, int(100 * deviation), 1]), 0, rate - 0.1
     for draw in range(DRAWS):
         hard = rng.standard_normal(100)
-        cells = [world(rng, value, deviation, seeds, 100, hard) for value in (rate, other)]
+        cells = [outcomes(rng, value, deviation, seeds, hard) for value in (rate, other)]
         if draw % 10 == 0:
-            pooled = like_cells(rng, rate, deviation, 100)
+            pooled = like_noise(rng, rate, deviation, 100)
         found = difference(*cells, pooled)
         covered += found.low <= rate - other <= found.high
     assert 0.93 <= covered / DRAWS <= 0.97
+
+
+def test_simulated_outcomes_have_the_rate_and_the_spread_asked_for():
+    rng = np.random.default_rng(0)
+    rates = outcomes(rng, 0.4, 0.2, 4000, rng.standard_normal(1000)).mean(axis=1)
+    assert rates.mean() == pytest.approx(0.4, abs=0.03) and rates.std() == pytest.approx(0.2, abs=0.01)
+    with pytest.raises(ValueError, match="smaller deviation"):
+        outcomes(rng, 0.9, 0.4, 3, np.zeros(5))
+
+
+def test_an_interval_that_knows_episodes_alone_covers_too_seldom():
+    table = coverage([1, 3], [0.2], 0.4, 200).set_index(["interval", "seeds"])
+    assert table.covered["ours"].min() > 0.9 and table.covered["episodes alone"].max() < 0.7
+    assert (table.half_width["ours"] > 2 * table.half_width["episodes alone"]).all()
 
 
 @pytest.mark.parametrize("seeds", [1, 3])
@@ -98,7 +70,7 @@ def test_one_training_is_not_certain_once_others_are_known_to_differ():
 
 def test_pooled_noise_is_the_variance_that_trainings_have():
     rng = np.random.default_rng(5)
-    cells = [world(rng, 0.5, 0.1, 3, 100, rng.standard_normal(100)) for _ in range(400)]
+    cells = [outcomes(rng, 0.5, 0.1, 3, rng.standard_normal(100)) for _ in range(400)]
     noise = pooled_noise([*cells, cells[0][:1]])
     assert noise.degrees == 800 and noise.deviation == pytest.approx(0.1, abs=0.01)
     assert pooled_noise([cells[0][:1]]) == statistics.UNKNOWN

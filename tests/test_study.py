@@ -319,7 +319,7 @@ def test_the_plan_counts_a_shared_training_once(tmp_path, monkeypatch):
     rows = plan_rows(profile, {"table 2": table_2, "gap": gap})
     minutes = profile.minutes["rgb"]
     assert rows[0]["hours_left"] == pytest.approx(30 * minutes / 60, abs=0.01)
-    assert rows[1]["missing"] == 60 and rows[1]["hours_left"] == pytest.approx(30 * TRIAL_MINUTES / 60, abs=0.01)
+    assert rows[1]["missing"] == 90 and rows[1]["hours_left"] == pytest.approx(60 * TRIAL_MINUTES / 60, abs=0.01)
 
 
 # evaluation ----------------------------------------------------------------------------------------------------------
@@ -451,17 +451,20 @@ def test_the_recipe_that_is_judged_is_the_one_of_the_figures():
             assert spec.training == chosen[spec.collection.timesteps]
 
 
-def test_generalization_tries_the_policies_of_table_2_at_their_own_grasps():
+def test_generalization_tries_the_policies_of_table_2_at_their_own_grasps_and_in_motion():
     profile = load_profile("laptop")
     specs = [run.spec for run in experiments.generalization(profile)]
-    elsewhere, own = specs[: len(specs) // 2], specs[len(specs) // 2 :]
-    table_2 = [spec for spec in experiments.specs("table2_main", load_profile("laptop")) if spec.observation == "rgb"]
-    assert {spec.hash for spec in elsewhere} == {spec.hash for spec in table_2} == {spec.policy_hash for spec in own}
-    assert {spec.evaluation.layout for spec in own} == {"grasp"}
+    elsewhere, own, moving = ([spec for spec in specs if spec.evaluation.layout == layout]
+                              for layout in ("random", "grasp", "moving"))
+    table_2 = [spec for spec in experiments.specs("table2_main", profile) if spec.observation == "rgb"]
+    policies = {spec.policy_hash for spec in table_2}
+    assert {spec.hash for spec in elsewhere} == {spec.hash for spec in table_2}
+    assert {spec.policy_hash for spec in own} == {spec.policy_hash for spec in moving} == policies
+    assert len(specs) == 3 * len(table_2) and {spec.evaluation.episodes for spec in moving} == {100}
     for spec in own:
         assert spec.evaluation.episodes <= max(1, spec.collection.timesteps // EPISODE_STEPS)
     some = experiments.generalization(profile, tasks=("push",), methods=("move",), seeds=(2,))
-    assert [(run.spec.task, run.spec.method, run.spec.seed) for run in some] == [("push", "move", 2)] * 2
+    assert [(run.spec.task, run.spec.method, run.spec.seed) for run in some] == [("push", "move", 2)] * 3
 
 
 @pytest.mark.parametrize(("figure", "protocol", "points"), [

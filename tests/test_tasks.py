@@ -20,7 +20,7 @@ from move.sim.experts.phase import make_expert
 from move.sim.geometry import wrapped
 from move.sim.scene.scene import Scene
 from move.sim.tasks import TASKS, get_task
-from move.sim.tasks.task import kept_share
+from move.sim.tasks.task import acceptance_rate
 
 NAMES = tuple(TASKS)
 WITH_YAW = tuple(name for name in NAMES if TASKS[name].has_yaw)
@@ -135,7 +135,7 @@ def test_goal_blind_expert_leaves_the_target_where_it_is(name):
     scene = Scene(name)
     scene.reset(seed=3)
     before = scene.keypoints()
-    with scene.pretending(scene.task.target_range.centre):
+    with scene.with_target_at(scene.task.target_range.centre):
         assert np.abs(scene.keypoints() - before).max() > 1e-3
     assert np.array_equal(scene.keypoints(), before)
 
@@ -157,7 +157,7 @@ def test_ranges_hold_what_is_sampled_and_fixed(task):
         assert task.target_range.contains(configuration.target_position)
         assert task.allows(configuration, task.separation)
     assert task.clearance <= task.separation
-    assert 0.8 < kept_share(task, rng, 500) <= 1.0
+    assert 0.8 < acceptance_rate(task, rng, 500) <= 1.0
 
 
 @pytest.mark.parametrize("name", FILTERED)
@@ -221,7 +221,7 @@ def test_object_stands_at_its_yaw(name):
 
 
 def test_free_objects_lie_where_they_are_put(task):
-    if task.object_mounts[0].kind != "free":
+    if task.object_bodies[0].kind != "free":
         pytest.skip("stands fixed")
     scene = Scene(task)
     scene.reset(seed=0)
@@ -244,7 +244,7 @@ def test_peg_follows_the_nut():
 def test_moved_handles_stay_closed(name):
     scene = Scene(name)
     scene.reset(seed=0)
-    joint = scene.task.object_mounts[0].joint
+    joint = scene.task.object_bodies[0].joint
     scene._data.qpos[scene._world.hinge_or_slide(joint)[0]] = 0.1
     scene.move_object(scene.configuration.object_position, -0.3)
     assert scene.joint(joint) == 0.0

@@ -92,8 +92,8 @@ def bench_drawing() -> None:
     """Milliseconds a picture of 96 px, ours and with Meta-World's default settings at its own size."""
     scene = Scene(TASK, "rgb", 96)
     scene.reset(seed=0)
-    scene.draw(96)
-    fast = seconds(lambda: [scene.draw(96) for _ in range(40)]) / 40
+    scene.render_image(96)
+    fast = seconds(lambda: [scene.render_image(96) for _ in range(40)]) / 40
     stock = gymnasium.make("Meta-World/MT1", env_name="pick-place-v3", seed=0, render_mode="rgb_array",
                            camera_name="corner2")
     stock.reset()

@@ -136,7 +136,7 @@ class GoalBlind(Expert):
 
     @staticmethod
     def _mistaken(expert: ScriptedExpert, scene: Scene) -> np.ndarray:
-        with scene.pretending(scene.task.target_range.centre):
+        with scene.with_target_at(scene.task.target_range.centre):
             return expert.action(scene)
 
 

@@ -29,9 +29,10 @@ class Evaluation(BaseModel):
 
     model_config = ConfigDict(frozen=True, strict=True, extra="forbid")
 
-    layout: Literal["random", "grid", "own", "grasp"] = Field(
-        "random", description="random configurations, a grid over the object, or those of the policy's own "
-        'demonstrations: "own" as they began, "grasp" as they were when the object was grasped'
+    layout: Literal["random", "moving", "grid", "own", "grasp"] = Field(
+        "random", description="random configurations, the same ones in a scene that moves as in MOVE's demonstrations, "
+        'a grid over the object, or those of the policy\'s own demonstrations: "own" as they began, "grasp" as they '
+        "were when the object was grasped"
     )
     episodes: int = Field(100, gt=0, description="number of configurations, unless they are a grid")
     grid_side: int = Field(12, gt=0, description="cells along a side of the grid")
@@ -41,7 +42,7 @@ class Evaluation(BaseModel):
 
 @dataclass(frozen=True)
 class Trial:
-    """One configuration to be tried; `group` is "random", "own", "grasp", "grid" or "point"."""
+    """One configuration to be tried; `group` is "random", "moving", "own", "grasp", "grid" or "point"."""
 
     group: str
     configuration: SpatialConfiguration
@@ -56,9 +57,9 @@ def trials(task: Task, evaluation: Evaluation, own: Sequence[SpatialConfiguratio
     """
     if evaluation.layout in ("own", "grasp"):
         return [Trial(evaluation.layout, configuration) for configuration in own]
-    if evaluation.layout == "random":
+    if evaluation.layout in ("random", "moving"):
         rng = np.random.default_rng([CONFIGURATION_STREAM, *task.name.encode()])
-        return [Trial("random", task.sample(rng, evaluation.factors)) for _ in range(evaluation.episodes)]
+        return [Trial(evaluation.layout, task.sample(rng, evaluation.factors)) for _ in range(evaluation.episodes)]
     places = {"none": [], "sparse": sparse_points(task), "circle": circle_points(task)}[evaluation.points]
     return [
         Trial(group, replace(task.fixed, object_position=place))
@@ -109,6 +110,7 @@ def evaluate(
             only=None if only is None else [number for number in range(len(batch)) if first + number in only],
             on_ended=(lambda episodes, first=first: on_step(first + episodes, len(listed))) if on_step else None,
             watch=(lambda number, scene, first=first: watch(first + number, scene)) if watch else None,
+            in_motion=evaluation.factors if evaluation.layout == "moving" else None, numbers_from=first,
         )
         rows += [_row(first + one.number, batch[one.number], one) for one in played]
     return rows

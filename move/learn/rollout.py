@@ -11,22 +11,29 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
+import gymnasium
 import numpy as np
 
 from move.learn.agents import Player
 from move.sim.configuration import SpatialConfiguration
+from move.sim.motion.wrappers import Motions, with_motions
 from move.sim.scene.scene import EPISODE_STEPS, SUCCESS_STEPS, Scene
 from move.sim.tasks.task import Task
 
 Watch = Callable[[int, Scene], None]
+MOTION_STREAM = 4  # first word of the seed of what moves in an evaluation
 
 
 @dataclass
 class Played:
-    """An episode: its number, its scene, how many steps of it have succeeded, the observations that the agent sees."""
+    """An episode: its number, its scene, how many steps of it have succeeded, the observations that the agent sees.
+
+    `world` is the scene with what moves around it; the scene itself where nothing does.
+    """
 
     number: int
     scene: Scene
+    world: gymnasium.Env
     window: deque[np.ndarray]
     successes: int = field(default=0)
 
@@ -45,6 +52,8 @@ def roll_out(
     only: Sequence[int] | None = None,
     on_ended: Callable[[int], None] | None = None,
     watch: Watch | None = None,
+    in_motion: str | None = None,
+    numbers_from: int = 0,
 ) -> list[Played]:
     """Play one episode in each configuration to its end.
 
@@ -53,14 +62,18 @@ def roll_out(
         only: numbers of the configurations that are played; by default all.
         on_ended: called with the number of episodes that have ended, after each decision.
         watch: called with the number and the scene at the start and after every step.
+        in_motion: a key of FACTORS: what moves while the agent acts, as in MOVE's demonstrations; by default nothing.
+        numbers_from: the number of the first configuration, of which an episode's motions depend.
     """
     seen = observation if player.observation_horizon else "keypoints"
     scenes = [Scene(task, seen, image_size) for _ in configurations]
+    worlds = scenes if in_motion is None else [with_motions(scene, Motions(), in_motion) for scene in scenes]
     played = []
     for number in range(len(scenes)) if only is None else only:
-        first, _ = scenes[number].reset(options={"configuration": configurations[number]})
-        played.append(Played(number, scenes[number], deque([first] * player.observation_horizon,
-                                                           maxlen=player.observation_horizon)))
+        seed = int(np.random.SeedSequence([MOTION_STREAM, numbers_from + number]).generate_state(1)[0])
+        first, _ = worlds[number].reset(seed=seed, options={"configuration": configurations[number]})
+        window = deque([first] * player.observation_horizon, maxlen=player.observation_horizon)
+        played.append(Played(number, scenes[number], worlds[number], window))
         if watch:
             watch(number, scenes[number])
     player.start(scenes)
@@ -79,9 +92,13 @@ def _execute(one: Played, actions: np.ndarray, watch: Watch | None) -> None:
     for left, action in zip(reversed(range(len(actions))), actions, strict=True):
         if not one.running:
             break
-        one.scene.advance(action)
+        seen = None
+        if one.world is one.scene:
+            one.scene.advance(action)
+        else:
+            seen, *_ = one.world.step(action)
         one.successes += one.scene.success
         if watch:
             watch(one.number, one.scene)
         if left < one.window.maxlen:
-            one.window.append(one.scene.observe())
+            one.window.append(one.scene.observe() if seen is None else seen)

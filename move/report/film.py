@@ -36,7 +36,7 @@ def episode_frames(policy: DiffusionPolicy, spec: RunSpec, number: int, image_si
     frames: list[np.ndarray] = []
     (row,) = evaluate(
         PolicyPlayer(policy, spec.seed), get_task(spec.task), spec.evaluation, spec.observation,
-        spec.collection.image_size, only={number}, watch=lambda _, scene: frames.append(scene.draw(image_size)),
+        spec.collection.image_size, only={number}, watch=lambda _, scene: frames.append(scene.render_image(image_size)),
     )
     return row, np.stack(frames)
 

@@ -151,6 +151,25 @@ def lengths(table: pd.DataFrame, ax: Axes) -> None:
     ax.set(xlabel="gradient steps / the recipe's", ylabel="success rate", ylim=(-0.03, 1.03))
 
 
+def coverages(table: pd.DataFrame, ax: Axes) -> None:
+    """How often intervals hold the truth: one group a deviation of trainings, one mark a number of seeds.
+
+    Args:
+        table: as `move.study.simulation.coverage` gives it.
+    """
+    deviations, counts = sorted(table.deviation.unique()), sorted(table.seeds.unique())
+    shifts = dict(zip(counts, np.linspace(-0.22, 0.22, len(counts)) * (len(counts) > 1), strict=True))
+    for (name, count), rows in table.groupby(["interval", "seeds"], sort=False):
+        places = [deviations.index(value) + shifts[count] for value in rows.deviation]
+        ours = name == "ours"
+        ax.plot(places, rows.covered, "os^D"[counts.index(count) % 4], ms=4, color="black" if ours else "#999999",
+                mfc="black" if ours else "white", label=f"{name}, {count} seed{'s' * (count > 1)}")
+    ax.axhspan(0.93, 0.97, color="#999999", alpha=0.25, lw=0)
+    ax.set_xticks(range(len(deviations)), [f"{100 * value:.0f}" for value in deviations])
+    ax.set(xlabel="trainings differ by (points, standard deviation)", ylabel="intervals that hold the truth",
+           ylim=(0, 1.03))
+
+
 def level(value: float, label: str, ax: Axes, style: str = "--") -> None:
     """A labelled horizontal line: a floor, a ceiling or a value of the paper."""
     ax.axhline(value, color="#666666", lw=0.9, ls=style)
@@ -205,22 +224,24 @@ def readings(table: pd.DataFrame, column: str, ax: Axes) -> None:
 
 
 def own_and_elsewhere(table: pd.DataFrame, ax: Axes) -> None:
-    """One group for each task: a policy's rate at its own grasps (hollow) joined to its rate elsewhere (filled).
+    """One group for each task: a policy's rate at its own grasps (hollow), elsewhere (filled), in motion (triangle).
 
     Args:
-        table: task, method, group ("grasp" or "random"), value, low, high; either group may be missing.
+        table: task, method, group ("grasp", "random" or "moving"), value, low, high; any group may be missing.
     """
     tasks, methods = list(table.task.unique()), [name for name in COLOURS if name in set(table.method)]
-    shifts = dict(zip(methods, np.linspace(-0.24, 0.24, len(methods)) * (len(methods) > 1), strict=True))
-    aside = {"grasp": -0.05, "random": 0.05}
+    shifts = dict(zip(methods, np.linspace(-0.26, 0.26, len(methods)) * (len(methods) > 1), strict=True))
+    aside = {"grasp": -0.08, "random": 0.0, "moving": 0.08}
+    names = {"grasp": "at its own grasps", "random": "elsewhere", "moving": "elsewhere, in motion"}
     for (task, method), rows in table.groupby(["task", "method"], sort=False):
         place = tasks.index(task) + shifts[method]
+        rows = rows.set_index("group").reindex([group for group in aside if group in set(rows.group)]).reset_index()
         ax.plot([place + aside[group] for group in rows.group], rows.value, color=COLOURS[method], lw=2, alpha=0.35)
         for row in rows.itertuples():
-            filling, where = ("white", "at its own grasps") if row.group == "grasp" else (COLOURS[method], "elsewhere")
-            ax.errorbar(place + aside[row.group], row.value, [[row.value - row.low], [row.high - row.value]], fmt="o",
-                        ms=3.5, lw=0.8, capsize=1.5, color=COLOURS[method], mfc=filling,
-                        label=f"{NAMES[method]}, {where}" if task == tasks[0] else None)
+            ax.errorbar(place + aside[row.group], row.value, [[row.value - row.low], [row.high - row.value]],
+                        fmt="^" if row.group == "moving" else "o", ms=3.5, lw=0.8, capsize=1.5, color=COLOURS[method],
+                        mfc="white" if row.group == "grasp" else COLOURS[method],
+                        label=f"{NAMES[method]}, {names[row.group]}" if task == tasks[0] else None)
     ax.set_xticks(range(len(tasks)), [TASKS[task].title for task in tasks], rotation=25, ha="right")
     ax.set(ylabel="success rate", ylim=(-0.03, 1.05))
 

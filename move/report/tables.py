@@ -13,7 +13,7 @@ from move.report.style import NAMES
 from move.sim.collection import METHODS
 from move.sim.configuration import Disc
 from move.sim.tasks import TASKS
-from move.sim.tasks.task import kept_share
+from move.sim.tasks.task import acceptance_rate
 from move.study.profiles import Profile
 from move.study.results import Result
 from move.study.statistics import (
@@ -252,14 +252,15 @@ def _outcomes(result: Result) -> np.ndarray:
 
 
 def own_and_elsewhere(rates: pd.DataFrame) -> pd.DataFrame:
-    """One row a task and method: the rate at its own grasps, the rate elsewhere, and `gap`, what is lost.
+    """One row a task and method: rates at its own grasps, elsewhere, and elsewhere in motion; `gap` is what is lost.
 
     Args:
-        rates: as `rate_table` gives them by task, method and group ("grasp" or "random"); a missing one becomes NaN.
+        rates: as `rate_table` gives them by task, method and group ("grasp", "random" or "moving"); a missing one
+            becomes NaN.
     """
-    keys = ["task", "method"]
-    wide = rates.pivot(index=keys, columns="group", values="value").reindex(columns=["grasp", "random"])
-    wide = rates[keys].drop_duplicates().join(wide, on=keys).rename(columns={"grasp": "own", "random": "elsewhere"})
+    keys, names = ["task", "method"], {"grasp": "own", "random": "elsewhere", "moving": "in_motion"}
+    wide = rates.pivot(index=keys, columns="group", values="value").reindex(columns=list(names))
+    wide = rates[keys].drop_duplicates().join(wide, on=keys).rename(columns=names)
     return wide.assign(gap=wide.own - wide.elsewhere).reset_index(drop=True)
 
 
@@ -379,7 +380,7 @@ def kept_shares(rng: np.random.Generator, configurations: int = 1000) -> pd.Data
 
     The same filter serves static starts, ADC's jumps, MOVE's motions and evaluation.
     """
-    return pd.DataFrame([{"task": name, "kept_share": kept_share(TASKS[name], rng, configurations)}
+    return pd.DataFrame([{"task": name, "kept_share": acceptance_rate(TASKS[name], rng, configurations)}
                          for name in PAPER_TASKS])
 
 

@@ -1,4 +1,4 @@
-"""What a policy sees: keypoints in the camera's frame, or an RGB picture drawn in software.
+"""What a policy sees: keypoints in the camera's frame, or an RGB picture rendered in software.
 
 Pictures use the fast settings: no shadows, reflections, skybox or multisampling, and an offscreen buffer no larger
 than the picture. Without a GL library keypoints still work; `move.machine.gl_problem` says what is missing.
@@ -47,8 +47,8 @@ def keypoints(world_points: np.ndarray, camera_angle: float) -> np.ndarray:
     return camera.to_camera_frame(world_points, camera_angle).astype(np.float32).ravel()
 
 
-class Painter:
-    """Draws square RGB pictures of any scene that shares one compiled model.
+class Renderer:
+    """Renders square RGB pictures of any scene that shares one compiled model.
 
     Raises:
         BadInput: no GL library can be used.
@@ -72,7 +72,7 @@ class Painter:
         self._camera.distance = math.hypot(camera.RADIUS, camera.HEIGHT)
         self._camera.elevation = -math.degrees(math.atan2(camera.HEIGHT, camera.RADIUS))
 
-    def draw(self, data, camera_angle: float) -> np.ndarray:
+    def render(self, data, camera_angle: float) -> np.ndarray:
         """The picture seen from `camera_angle` (radians), shape (size, size, 3), uint8."""
         self._camera.azimuth = math.degrees(camera_angle) + 180.0
         self._renderer.update_scene(data, camera=self._camera)

@@ -25,7 +25,7 @@ from statsmodels.stats.multitest import multipletests
 from move.intervals import CONFIDENCE
 
 OWN_SEEDS = 3  # from so many on a cell's own seeds tell its training variance
-RATE_SHARE, DIFFERENCE_SHARE = 0.6, 1.3
+RATE_SHARE, DIFFERENCE_SHARE = 0.3, 1.3
 """One over the degrees of freedom of a sum is the sum over its parts of share ** this / degrees.
 
 Welch and Satterthwaite have 2, for which three seeds that agree by chance claim too much: a rate's interval then covers

@@ -1,9 +1,9 @@
 """Meta-World v3's scripted policies, called in the object's frame.
 
 The policies know unturned scenes only. They are shown the scene turned about the hand so that the object stands at yaw
-0, and their displacement is turned back. A policy that has a place of its task hard-coded (Hammer: the nail) is shown
-the scene shifted as well, so that the true place stands where it expects it; everything else in it is relative.
-Basketball's policy expects the hoop at y = 0.875 m; that is left as it is.
+0, and their displacement is turned back. A policy that has a place of its task hard-coded is shown the scene
+shifted as well, so that the true place stands where it expects it; everything else in it is relative. Which policy
+needs what stands in its task (`Task.scripted_policy`).
 """
 
 from __future__ import annotations
@@ -18,10 +18,7 @@ from move.sim.geometry import limited, turned, wrapped
 from move.sim.scene.scene import YAW_STEP, Scene
 from move.sim.tasks.task import Task
 
-HANDLE = {"faucet-open": (0.0, 0.0, -0.01)}  # what Meta-World observes as the object, from our object point, metres
 LIFTED = 0.02  # metres over its starting height at which an object counts as lifted
-UNTURNED = {"hammer", "box-close", "assembly"}  # are brought to yaw 0 once lifted
-STRIKE = {"hammer": ("body:nail_link", (0.24, 0.64, 0.11))}  # a point and where the policy has it hard-coded, metres
 TURN_BACK = math.radians(3.0)  # radians a step
 
 
@@ -29,7 +26,7 @@ class MetaworldExpert:
     """Meta-World v3's scripted policy, given the observation it was written for."""
 
     def __init__(self, task: Task) -> None:
-        self.task, self.policy = task, ENV_POLICY_MAP[task.metaworld]()
+        self.task, self.needs, self.policy = task, task.scripted_policy, ENV_POLICY_MAP[task.metaworld]()
         self.reset()
 
     def reset(self) -> None:
@@ -47,10 +44,10 @@ class MetaworldExpert:
     def _observation(self, scene: Scene, yaw: float) -> np.ndarray:
         """Meta-World's 39 numbers: hand, opening, object and target, in the object's frame."""
         hand = scene.hand.copy()
-        handle = scene.point(self.task.object_point) + HANDLE.get(self.task.name, (0.0, 0.0, 0.0))
+        handle = scene.point(self.task.object_point) + self.needs.object_offset
         shift = np.zeros(3)
-        if self.task.name in STRIKE:
-            name, expected = STRIKE[self.task.name]
+        if self.needs.hard_coded:
+            name, expected = self.needs.hard_coded
             shift = np.array(expected) - _seen(scene.point(name), hand, yaw)
             shift[2] = 0.0
         observation = np.zeros(39)
@@ -63,7 +60,7 @@ class MetaworldExpert:
         """How far the gripper should turn: to the object's yaw, or back to 0 with a lifted object that has to be."""
         height = float(scene.point(self.task.object_point)[2])
         self.height = height if self.height is None else self.height
-        if self.task.name in UNTURNED and height > self.height + LIFTED:
+        if self.needs.squares_lifted and height > self.height + LIFTED:
             return -limited(scene.gripper_yaw, TURN_BACK)
         return wrapped(scene.object_yaw, math.pi) - scene.gripper_yaw
 

@@ -15,10 +15,10 @@ import numpy as np
 from move.errors import BadInput
 from move.sim.configuration import Vector
 from move.sim.experts.metaworld import MetaworldExpert
-from move.sim.experts.transport import CARRIES
 from move.sim.geometry import shifted, turned, wrapped
 from move.sim.scene.scene import YAW_STEP, Scene
 from move.sim.tasks.task import Task
+from move.sim.tasks.transport import TransportState
 
 GAIN = 15.0  # action per metre of error
 PUSH_GAIN = 25.0  # the same while a handle is worked
@@ -43,43 +43,44 @@ def towards(goal: Vector, hand: Vector, gain: float) -> list[float]:
 
 
 class GraspExpert:
-    """Approach from above, descend, close, carry; a dropped object starts it over.
+    """Approach from above, descend, close, transport; a dropped object starts it over.
 
-    While carrying, the hand moves by the distance between the held object and where it should be. Where the task turns
+    In transport the hand moves by the distance between the held object and where it should be. Where the task turns
     the gripper, it follows the object's yaw until it has closed.
     """
 
     def __init__(self, task: Task) -> None:
-        self.task, self.grip, self.carry = task, task.grip, CARRIES[task.name]
-        self.offsets = (self.grip.offset, *self.grip.otherwise)
+        self.task, self.parameters = task, task.manipulation
+        self.offsets = (self.parameters.offset, *self.parameters.otherwise)
         self.reset()
 
     def reset(self) -> None:
         """Forget the last episode."""
-        self.phase, self.count, self.offset, self.memory = "approach", 0, self.grip.offset, set()
+        self.phase, self.count, self.offset = "approach", 0, self.parameters.offset
+        self.transport_state: TransportState = set()
 
     def action(self, scene: Scene) -> np.ndarray:
         """The next action in [-1, 1], shape (action_size,), float32."""
         hand, held = scene.hand.tolist(), scene.point(self.task.object_point).tolist()
         grip = self._grip_point(scene, held)
-        aside, above = math.dist(hand[:2], grip[:2]), hand[2] - held[2] - self.grip.height
+        aside, above = math.dist(hand[:2], grip[:2]), hand[2] - held[2] - self.parameters.height
         turn = self._turn_to_object(scene)
         self._change_phase(aside, above, abs(turn) < ASKEW)
-        if self.phase == "carry":
-            leg = self.carry(scene, self.memory)
-            goal = [h + w - o for h, w, o in zip(hand, leg.goal, leg.held, strict=True)]
-            turn = leg.turn
+        if self.phase == "transport":
+            waypoint = self.parameters.transport(scene, self.transport_state)
+            goal = [h + w - o for h, w, o in zip(hand, waypoint.goal, waypoint.held, strict=True)]
+            turn = waypoint.turn
         else:
             goal = self._goal(hand, held, grip, aside)
-        effort = self.grip.opening if self.phase in ("approach", "descend") else self.grip.effort
+        command = self.parameters.opening if self.phase in ("approach", "descend") else self.parameters.gripper_command
         turns = [min(1.0, max(-1.0, turn / YAW_STEP))] if self.task.turns_gripper else []
-        return np.array([*towards(goal, hand, GAIN), effort, *turns], np.float32)
+        return np.array([*towards(goal, hand, GAIN), command, *turns], np.float32)
 
     def _grip_point(self, scene: Scene, held: list[float]) -> Vector:
         if not self.task.has_yaw:
             return shifted(held, self.offset)
         yaw = scene.object_yaw
-        if self.phase == "approach" and self.grip.otherwise:
+        if self.phase == "approach" and self.parameters.otherwise:
             nearest = scene.hand_limits[0][1] + 0.005  # metres; how near to the robot the hand can go
             reached = (offset for offset in self.offsets if held[1] + turned(offset, yaw)[1] >= nearest)
             self.offset = next(reached, self.offset)
@@ -92,24 +93,24 @@ class GraspExpert:
         return wrapped(scene.object_yaw, math.pi) - scene.gripper_yaw
 
     def _change_phase(self, aside: float, above: float, square: bool) -> None:
-        if self.phase == "carry" and (aside > 0.06 or above > 0.05):
-            self.phase, self.memory = "approach", set()
+        if self.phase == "transport" and (aside > 0.06 or above > 0.05):
+            self.phase, self.transport_state = "approach", set()
         if self.phase == "approach" and aside < 0.015 and square:
             self.phase, self.count = "descend", 0
         if self.phase == "descend":
             self.count += 1
             if aside > 0.03:
                 self.phase = "approach"
-            elif (above < 0.012 and aside < 0.008) or self.count > self.grip.patience:
+            elif (above < 0.012 and aside < 0.008) or self.count > self.parameters.patience:
                 self.phase, self.count = "close", 0
         if self.phase == "close":
             self.count += 1
-            if self.count > self.grip.closing_steps:
-                self.phase = "carry"
+            if self.count > self.parameters.closing_steps:
+                self.phase = "transport"
 
     def _goal(self, hand: list[float], held: list[float], grip: Vector, aside: float) -> Vector:
-        """Where the hand should go before it carries (metres)."""
-        height = held[2] + self.grip.height
+        """Where the hand should go before the transport (metres)."""
+        height = held[2] + self.parameters.height
         if self.phase == "close":
             return (grip[0], grip[1], hand[2])
         if self.phase == "descend":
@@ -120,14 +121,14 @@ class GraspExpert:
         return (grip[0], grip[1], level)
 
 
-class PressExpert:
+class PushExpert:
     """Approach from above, descend beside the handle, push it with the closed hand until it is open enough.
 
     A missed handle starts it over.
     """
 
     def __init__(self, task: Task) -> None:
-        self.task, self.press = task, task.grip
+        self.task, self.parameters = task, task.manipulation
         self.reset()
 
     def reset(self) -> None:
@@ -137,17 +138,17 @@ class PressExpert:
     def action(self, scene: Scene) -> np.ndarray:
         """The next action in [-1, 1], shape (action_size,), float32."""
         hand, handle = scene.hand.tolist(), scene.point(self.task.object_point).tolist()
-        yaw = scene.body_yaw(self.press.frame)
-        start = shifted(handle, self.press.offset, yaw)
+        yaw = scene.body_yaw(self.parameters.frame)
+        start = shifted(handle, self.parameters.offset, yaw)
         aside, above = math.dist(hand[:2], start[:2]), hand[2] - start[2]
         self._change_phase(aside, above)
-        done = scene.joint(self.press.joint) >= self.press.enough
+        done = scene.joint(self.parameters.joint) >= self.parameters.enough
         goal = hand if done else self._goal(start, yaw, hand, aside)
         gain = GAIN if self.phase == "approach" else PUSH_GAIN
         return np.array([*towards(goal, hand, gain), 1.0], np.float32)
 
     def _change_phase(self, aside: float, above: float) -> None:
-        if self.phase == "push" and (above > 0.06 or aside > self.press.lost):
+        if self.phase == "stroke" and (above > 0.06 or aside > self.parameters.lost):
             self.phase = "approach"
         if self.phase == "approach" and aside < 0.02:
             self.phase = "descend"
@@ -155,15 +156,15 @@ class PressExpert:
             if aside > 0.05:
                 self.phase = "approach"
             elif above < 0.015:
-                self.phase = "push"
+                self.phase = "stroke"
 
     def _goal(self, start: Vector, yaw: float, hand: list[float], aside: float) -> Vector:
         """Where the hand should go (metres)."""
-        if self.phase == "push":
-            return shifted(start, self.press.stroke, yaw)
+        if self.phase == "stroke":
+            return shifted(start, self.parameters.stroke, yaw)
         if self.phase == "descend":
             return start
-        level = start[2] + self.press.above
+        level = start[2] + self.parameters.above
         if hand[2] < level - CLIMB and aside > 0.06:  # over the object, not through it
             return (hand[0], hand[1], level)
         return (start[0], start[1], max(level, hand[2]) if aside > 0.06 else level)
@@ -171,7 +172,7 @@ class PressExpert:
 
 def phase_expert(task: Task) -> Expert:
     """The expert with phases: one that grasps, or one that works a handle."""
-    return GraspExpert(task) if task.grasps else PressExpert(task)
+    return GraspExpert(task) if task.grasps else PushExpert(task)
 
 
 EXPERTS = {"phase": phase_expert, "metaworld": MetaworldExpert}

@@ -97,16 +97,16 @@ class Jumps(gymnasium.Wrapper):
         return math.dist(fingers, there) < JUMP_DISTANCE
 
     def _jump(self, phase: str) -> bool:
-        """Move the object or the target; False where a thousand draws gave no allowed place."""
+        """Move the object or the target; False where a thousand samples gave no allowed place."""
         scene, task = self.scene, self.scene.task
         for _ in range(1000):
-            drawn = task.sample(scene.np_random, "object" if phase == "pick" else "object+target")
+            sampled = task.sample(scene.np_random, "object" if phase == "pick" else "object+target")
             if phase == "place":
-                if self._clear(drawn.target_position):
-                    scene.move_target(drawn.target_position)
+                if self._clear(sampled.target_position):
+                    scene.move_target(sampled.target_position)
                     return True
                 continue
-            kept = replace(scene.configuration, object_position=drawn.object_position, object_yaw=drawn.object_yaw)
+            kept = replace(scene.configuration, object_position=sampled.object_position, object_yaw=sampled.object_yaw)
             if task.allows(kept, task.separation):
                 scene.move_object(kept.object_position, kept.object_yaw)
                 return True

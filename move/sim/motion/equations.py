@@ -16,12 +16,12 @@ from move.sim.configuration import Box, Disc, Vector, reflect
 BETA = (2.0, 5.0)  # alpha and beta of every speed's Beta distribution (paper, after equation 1)
 
 
-def draw_speed(rng: np.random.Generator, maximum: float) -> float:
+def sample_speed(rng: np.random.Generator, maximum: float) -> float:
     """A speed v * v_max with v ~ Beta(2, 5), in the unit of `maximum` per step (equations 1 to 3)."""
     return maximum * float(rng.beta(*BETA))
 
 
-def draw_direction(rng: np.random.Generator, dimensions: int) -> Vector:
+def sample_direction(rng: np.random.Generator, dimensions: int) -> Vector:
     """A unit vector, uniform on the circle in the table's plane (2) or on the sphere (3) (equation 1)."""
     if dimensions == 2:
         angle = rng.uniform(0.0, 2.0 * math.pi)
@@ -30,7 +30,7 @@ def draw_direction(rng: np.random.Generator, dimensions: int) -> Vector:
     return tuple(float(value) for value in vector / np.linalg.norm(vector))
 
 
-def draw_sign(rng: np.random.Generator) -> int:
+def sample_sign(rng: np.random.Generator) -> int:
     """The direction of a rotation: -1 or 1, each half of the time (equation 2)."""
     return int(rng.integers(2)) * 2 - 1
 

@@ -6,7 +6,7 @@
     TargetTranslation     equation 1 for the target, in the placement phase
     CameraMotion          equation 3, in both phases
 
-A motion draws its speed and direction on reset from the scene's generator and moves its part before each step, so one
+A motion samples its speed and direction on reset from the scene's generator and moves its part before each step, so one
 observation is made a step however many motions are stacked.
 """
 
@@ -54,10 +54,10 @@ class Motion(gymnasium.Wrapper):
         self.maximum_speed = maximum_speed
 
     def reset(self, **keywords: Any) -> tuple[np.ndarray, dict]:
-        """Start an episode and draw this motion's speed and direction."""
+        """Start an episode and sample this motion's speed and direction."""
         observation, info = self.env.reset(**keywords)
         self.start, self.clock, self.sense, self.moves = self.scene.configuration, 0, 1, 0
-        self.draw(self.scene.np_random)
+        self.sample(self.scene.np_random)
         return observation, info
 
     def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict]:
@@ -84,8 +84,8 @@ class Motion(gymnasium.Wrapper):
         """Whether this part moves in the coming step."""
         raise NotImplementedError
 
-    def draw(self, rng: np.random.Generator) -> None:
-        """Draw speed and direction."""
+    def sample(self, rng: np.random.Generator) -> None:
+        """Sample speed and direction."""
         raise NotImplementedError
 
     def placed(self, time: float) -> SpatialConfiguration:
@@ -136,10 +136,10 @@ class ObjectTranslation(PickMotion):
         self.apply(self.placed(self.clock))
         return self.scene.refresh(), info
 
-    def draw(self, rng: np.random.Generator) -> None:
-        """Draw v ~ Beta(2, 5) and a direction uniform on the circle."""
-        speed = equations.draw_speed(rng, self.maximum_speed)
-        self.velocity = tuple(speed * part for part in equations.draw_direction(rng, 2))
+    def sample(self, rng: np.random.Generator) -> None:
+        """Sample v ~ Beta(2, 5) and a direction uniform on the circle."""
+        speed = equations.sample_speed(rng, self.maximum_speed)
+        self.velocity = tuple(speed * part for part in equations.sample_direction(rng, 2))
 
     def placed(self, time: float) -> SpatialConfiguration:
         """The configuration with the object where it is after `time` steps."""
@@ -150,9 +150,9 @@ class ObjectTranslation(PickMotion):
 class ObjectRotation(PickMotion):
     """The object turns about the vertical within the task's yaw range (equation 2); `maximum_speed` in rad/step."""
 
-    def draw(self, rng: np.random.Generator) -> None:
-        """Draw w ~ Beta(2, 5) and a direction in {-1, 1}."""
-        self.velocity = equations.draw_speed(rng, self.maximum_speed) * equations.draw_sign(rng)
+    def sample(self, rng: np.random.Generator) -> None:
+        """Sample w ~ Beta(2, 5) and a direction in {-1, 1}."""
+        self.velocity = equations.sample_speed(rng, self.maximum_speed) * equations.sample_sign(rng)
 
     def placed(self, time: float) -> SpatialConfiguration:
         """The configuration with the yaw after `time` steps."""
@@ -176,10 +176,10 @@ class TargetTranslation(Motion):
         placed, there = scene.point(task.placed_point), scene.point(task.target_point)
         return math.dist(placed[:2], there[:2]) >= task.freeze_distance
 
-    def draw(self, rng: np.random.Generator) -> None:
-        """Draw v ~ Beta(2, 5) and a direction uniform on the sphere, or on the circle for a target on the table."""
-        speed = equations.draw_speed(rng, self.maximum_speed)
-        direction = equations.draw_direction(rng, self.scene.task.target_dimensions)
+    def sample(self, rng: np.random.Generator) -> None:
+        """Sample v ~ Beta(2, 5) and a direction uniform on the sphere, or on the circle for a target on the table."""
+        speed = equations.sample_speed(rng, self.maximum_speed)
+        direction = equations.sample_direction(rng, self.scene.task.target_dimensions)
         self.velocity = tuple(speed * part for part in direction)
         self.keeps_clear = False  # the object is in the hand
 
@@ -202,9 +202,9 @@ class CameraMotion(Motion):
         """Always."""
         return True
 
-    def draw(self, rng: np.random.Generator) -> None:
-        """Draw u ~ Beta(2, 5) and a direction in {-1, 1}."""
-        self.velocity = equations.draw_speed(rng, self.maximum_speed) * equations.draw_sign(rng)
+    def sample(self, rng: np.random.Generator) -> None:
+        """Sample u ~ Beta(2, 5) and a direction in {-1, 1}."""
+        self.velocity = equations.sample_speed(rng, self.maximum_speed) * equations.sample_sign(rng)
 
     def placed(self, time: float) -> SpatialConfiguration:
         """The configuration with the camera's angle after `time` steps."""

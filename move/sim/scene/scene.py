@@ -24,7 +24,7 @@ from move.sim.geometry import limited
 from move.sim.observe import keypoint_names, keypoint_slices, keypoints
 from move.sim.scene.scene_state import Readable
 from move.sim.scene.shared_model import LEFT, OBJECT, PALM, RIGHT, shared_world, stands
-from move.sim.tasks import Task, get_task
+from move.sim.tasks import DEFAULT_TASK, Task, get_task
 
 OBSERVATIONS = ("keypoints", "rgb")
 EPISODE_STEPS = 200  # the authors' limit
@@ -41,12 +41,12 @@ DOWN = np.array([1.0, 0.0, 1.0, 0.0]) / np.sqrt(2.0)  # orientation of a hand th
 class Scene(Readable, gymnasium.Env):
     """A task of the paper as a Gymnasium environment whose object, target and camera can be moved at any time.
 
-    Actions are four numbers in [-1, 1]: three displacements of the hand's goal (1 = 0.01 m) and the gripper's effort;
-    where the task turns the gripper a fifth: the change of its goal's yaw (1 = 6 degrees, at most 100 to each side).
-    An observation is the keypoint vector (float32, metres, camera frame) or an RGB picture (uint8). The reward is 1
-    on a successful step. `info` holds "success" and "phase" ("pick", from the grasp on "place"), and "strict_success"
-    where the task has such a condition. The episode limit is left to Gymnasium's TimeLimit and to the loops of this
-    package.
+    Actions are four numbers in [-1, 1]: three displacements of the hand's goal (1 = 0.01 m) and the gripper's
+    command; where the task turns the gripper a fifth: the change of its goal's yaw (1 = 6 degrees, at most 100 to each
+    side). An observation is the keypoint vector (float32, metres, camera frame) or an RGB picture (uint8). The reward
+    is 1 on a successful step. `info` holds "success" and "phase" ("pick", from the grasp on "place"), and
+    "strict_success" where the task has such a condition. The episode limit is left to Gymnasium's TimeLimit and to the
+    loops of this package.
 
     Args:
         task: a name in `move.sim.tasks.TASKS`.
@@ -60,7 +60,7 @@ class Scene(Readable, gymnasium.Env):
 
     metadata = {"render_modes": ["rgb_array"], "render_fps": 80}
 
-    def __init__(self, task: str | Task = "pick-place", observation: str = "keypoints", image_size: int = 96,
+    def __init__(self, task: str | Task = DEFAULT_TASK, observation: str = "keypoints", image_size: int = 96,
                  render_mode: str | None = None) -> None:
         if observation not in OBSERVATIONS:
             raise BadInput(f"observation: {observation!r} given; allowed are {', '.join(OBSERVATIONS)}")
@@ -75,14 +75,14 @@ class Scene(Readable, gymnasium.Env):
 
     def _observation_space(self) -> BoxSpace:
         if self.observation == "rgb":
-            self._world.painter(self.image_size)
+            self._world.renderer(self.image_size)
             return BoxSpace(0, 255, (self.image_size, self.image_size, 3), np.uint8)
         return BoxSpace(-np.inf, np.inf, (3 * len(self._keypoint_names),), np.float32)
 
     # starting ------------------------------------------------------------------------------------------------------
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[np.ndarray, dict]:
-        """Start an episode in `options["configuration"]`, or in one drawn from `options["factors"]` ("all").
+        """Start an episode in `options["configuration"]`, or in one sampled from `options["factors"]` ("all").
 
         The hand is driven to its start as Meta-World does, the object held where it belongs.
         """
@@ -96,8 +96,8 @@ class Scene(Readable, gymnasium.Env):
         self.steps, self.phase, self.touched, self.held, self.success = 0, "pick", False, False, False
         self.strict_success, self.strict_steps, self.gripper_yaw = False, 0, 0.0
         self._configuration = configuration
-        self._world.owner = None  # what stands in the model is the last episode's
-        self._claim()
+        self._world.active_scene = None  # what stands in the model is the last episode's
+        self._load_state()
         self._drive_hand(configuration.hand_position)
         self.move_object(configuration.object_position, configuration.object_yaw)
         mujoco.mj_forward(self._model, self._data)
@@ -111,15 +111,15 @@ class Scene(Readable, gymnasium.Env):
             self.move_object(self._configuration.object_position, self._configuration.object_yaw)
             mujoco.mj_step(self._model, self._data, nstep=SUBSTEPS)
 
-    def _claim(self) -> None:
+    def _load_state(self) -> None:
         """Write this scene's target, and an object that stands in the model, unless they are there already."""
-        if self._world.owner is self:
+        if self._world.active_scene is self:
             return
-        self._world.owner = self
+        self._world.active_scene = self
         self.move_target(self._configuration.target_position)
-        for mount in self.task.object_mounts:
-            if mount.kind != "free":
-                self._world.place(mount, self._configuration.object_position, self._configuration.object_yaw)
+        for movable in self.task.object_bodies:
+            if movable.kind != "free":
+                self._world.place(movable, self._configuration.object_position, self._configuration.object_yaw)
 
     # running -------------------------------------------------------------------------------------------------------
 
@@ -130,13 +130,13 @@ class Scene(Readable, gymnasium.Env):
 
     def advance(self, action: np.ndarray) -> None:
         """Advance by one step without observing: the hand's goal moves, MuJoCo runs, success is judged."""
-        self._claim()
-        dx, dy, dz, effort, *turn = (min(1.0, max(-1.0, value)) for value in np.asarray(action, float).tolist())
+        self._load_state()
+        dx, dy, dz, command, *turn = (min(1.0, max(-1.0, value)) for value in np.asarray(action, float).tolist())
         low, high = self._world.hand_low, self._world.hand_high
         for axis, change in enumerate((dx, dy, dz)):
             self._mocap[axis] = min(high[axis], max(low[axis], self._mocap[axis] + HAND_STEP * change))
         self._data.mocap_pos[0] = self._mocap
-        self._data.ctrl[:] = (effort, -effort)
+        self._data.ctrl[:] = (command, -command)
         if self.task.turns_gripper:
             self._turn_gripper(*turn)
         mujoco.mj_step(self._model, self._data, nstep=SUBSTEPS)
@@ -182,17 +182,17 @@ class Scene(Readable, gymnasium.Env):
 
     def move_object(self, position: Vector, yaw: float) -> None:
         """Put the object at `position` (metres) and `yaw` (radians), at rest."""
-        for mount in self.task.object_mounts:
-            if mount.kind == "free":
-                at, speed = self._world.free_joint(mount.name)
-                where, turn = stands(mount, position, yaw)
+        for movable in self.task.object_bodies:
+            if movable.kind == "free":
+                at, speed = self._world.free_joint(movable.name)
+                where, turn = stands(movable, position, yaw)
                 self._data.qpos[at : at + 7] = (*where, *turn)
                 self._data.qvel[speed : speed + 6] = 0.0
             else:
-                self._claim()
-                self._world.place(mount, position, yaw)
-            if mount.joint:
-                at, speed = self._world.hinge_or_slide(mount.joint)
+                self._load_state()
+                self._world.place(movable, position, yaw)
+            if movable.joint:
+                at, speed = self._world.hinge_or_slide(movable.joint)
                 self._data.qpos[at] = self._data.qvel[speed] = 0.0
         self._configuration = replace(self._configuration, object_position=tuple(position), object_yaw=yaw)
 
@@ -200,16 +200,16 @@ class Scene(Readable, gymnasium.Env):
         """Put the target at `position` (metres)."""
         self._target[:] = position
         self._configuration = replace(self._configuration, target_position=tuple(position))
-        self._claim()
-        for mount in self.task.target_mounts:
-            self._world.place(mount, position, 0.0)
+        self._load_state()
+        for movable in self.task.target_bodies:
+            self._world.place(movable, position, 0.0)
 
     def move_camera(self, angle: float) -> None:
         """Put the camera at `angle` (radians) on its cylinder."""
         self._configuration = replace(self._configuration, camera_angle=angle)
 
     @contextmanager
-    def pretending(self, target: Vector) -> Iterator[None]:
+    def with_target_at(self, target: Vector) -> Iterator[None]:
         """For a while, whoever reads the scene finds the target at `target` (metres); nothing may be stepped."""
         true = self._configuration.target_position
         self.move_target(target)
@@ -239,13 +239,13 @@ class Scene(Readable, gymnasium.Env):
 
     def observe(self) -> np.ndarray:
         """The observation of the present state: keypoints or picture."""
-        return self.draw(self.image_size) if self.observation == "rgb" else self.keypoints()
+        return self.render_image(self.image_size) if self.observation == "rgb" else self.keypoints()
 
-    def draw(self, size: int) -> np.ndarray:
+    def render_image(self, size: int) -> np.ndarray:
         """The camera's picture, shape (size, size, 3), uint8."""
-        self._claim()
+        self._load_state()
         mujoco.mj_camlight(self._model, self._data)
-        return self._world.painter(size).draw(self._data, self._configuration.camera_angle)
+        return self._world.renderer(size).render(self._data, self._configuration.camera_angle)
 
     def refresh(self) -> np.ndarray:
         """The observation after something was moved between steps."""
@@ -254,5 +254,5 @@ class Scene(Readable, gymnasium.Env):
 
     def render(self) -> np.ndarray | None:
         """The picture that Gymnasium's render mode asks for, or None."""
-        return self.draw(self.image_size) if self.render_mode == "rgb_array" else None
+        return self.render_image(self.image_size) if self.render_mode == "rgb_array" else None
 

@@ -47,8 +47,8 @@ class Readable:
     @property
     def object_yaw(self) -> float:
         """Yaw of the object as it lies or is held, relative to Meta-World's pose, radians."""
-        mount = self.task.object_mounts[0]
-        return wrapped(self.body_yaw(mount.name) - mount.yaw)
+        movable = self.task.object_bodies[0]
+        return wrapped(self.body_yaw(movable.name) - movable.yaw)
 
     def body_yaw(self, name: str) -> float:
         """Yaw of a named body, radians."""

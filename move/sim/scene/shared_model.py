@@ -11,8 +11,8 @@ from metaworld.env_dict import ALL_V3_ENVIRONMENTS
 
 from move.sim.configuration import Vector
 from move.sim.geometry import turned
-from move.sim.observe import Painter
-from move.sim.tasks.task import Mount, Task
+from move.sim.observe import Renderer
+from move.sim.tasks.task import MovableBody, Task
 
 OBJECT, LEFT, RIGHT, PALM = 1, 2, 3, 4  # what a contact is between
 HAND_BODIES = {"leftclaw": LEFT, "leftpad": LEFT, "rightclaw": RIGHT, "rightpad": RIGHT, "right_hand": PALM}
@@ -21,8 +21,8 @@ HAND_BODIES = {"leftclaw": LEFT, "leftpad": LEFT, "rightclaw": RIGHT, "rightpad"
 class World:
     """A task's compiled model, shared by all its scenes (its meshes take 21 MB).
 
-    What is no free body stands in the model itself: each scene writes its own into it before it steps or draws
-    (`Scene._claim`), so scenes of one task can be stepped in turn within one thread. `owner` is the last that did.
+    What is no free body stands in the model itself: each scene writes its own into it before it steps or renders
+    (`Scene._load_state`), so scenes of one task can be stepped in turn within one thread; `active_scene` did last.
     """
 
     def __init__(self, task: Task) -> None:
@@ -34,16 +34,16 @@ class World:
         self.model.site_pos[:] = sites  # Meta-World's reset writes world coordinates into sites of moved bodies
         self.start = environment.init_qpos.copy()
         self.hand_low, self.hand_high = environment.mocap_low.tolist(), environment.mocap_high.tolist()
-        self.owner: object | None = None
+        self.active_scene: object | None = None
         self.sides = self._contact_sides(task)
         self._addresses: dict[str, tuple[int, int]] = {}
-        self._painters: dict[int, Painter] = {}
+        self._renderers: dict[int, Renderer] = {}
 
-    def painter(self, size: int) -> Painter:
-        """The painter for pictures of `size` pixels, made once."""
-        if size not in self._painters:
-            self._painters[size] = Painter(self.model, size)
-        return self._painters[size]
+    def renderer(self, size: int) -> Renderer:
+        """The renderer for pictures of `size` pixels, made once."""
+        if size not in self._renderers:
+            self._renderers[size] = Renderer(self.model, size)
+        return self._renderers[size]
 
     def free_joint(self, body: str) -> tuple[int, int]:
         """Where the free joint of `body` stands in the positions and in the velocities."""
@@ -60,13 +60,13 @@ class World:
     def _joint(self, number: int) -> tuple[int, int]:
         return int(self.model.jnt_qposadr[number]), int(self.model.jnt_dofadr[number])
 
-    def place(self, mount: Mount, position: Vector, yaw: float) -> None:
+    def place(self, movable: MovableBody, position: Vector, yaw: float) -> None:
         """Write a fixed body or a site of the world into the model: `position` in metres, `yaw` in radians."""
-        where, turn = stands(mount, position, yaw)
-        if mount.kind == "site":
-            self.model.site(mount.name).pos = where
+        where, turn = stands(movable, position, yaw)
+        if movable.kind == "site":
+            self.model.site(movable.name).pos = where
             return
-        body = self.model.body(mount.name)
+        body = self.model.body(movable.name)
         body.pos, body.quat = where, turn
 
     def geoms(self, name: str) -> frozenset[int]:
@@ -82,7 +82,7 @@ class World:
     def _contact_sides(self, task: Task) -> list[int]:
         """For each geom whether it is the object's, a finger's or the hand's (0 for all others)."""
         bodies = {self.model.body(name).id: side for name, side in HAND_BODIES.items()}
-        bodies[self.model.body(task.object_mounts[0].name).id] = OBJECT
+        bodies[self.model.body(task.object_bodies[0].name).id] = OBJECT
         return [self._side(int(body), bodies) for body in self.model.geom_bodyid]
 
     def _side(self, body: int, sides: dict[int, int]) -> int:
@@ -91,10 +91,10 @@ class World:
         return sides.get(body, 0)
 
 
-def stands(mount: Mount, position: Vector, yaw: float) -> tuple[list[float], tuple[float, float, float, float]]:
-    """Position (metres) and quaternion of `mount` when what it belongs to is at `position` and `yaw` (radians)."""
-    where = [value + offset for value, offset in zip(position, turned(mount.offset, yaw), strict=True)]
-    half = (mount.yaw + yaw) / 2
+def stands(movable: MovableBody, position: Vector, yaw: float) -> tuple[list[float], tuple[float, float, float, float]]:
+    """Position (metres) and quaternion of `movable` when what it belongs to is at `position` and `yaw` (radians)."""
+    where = [value + offset for value, offset in zip(position, turned(movable.offset, yaw), strict=True)]
+    half = (movable.yaw + yaw) / 2
     return where, (math.cos(half), 0.0, 0.0, math.sin(half))
 
 

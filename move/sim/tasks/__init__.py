@@ -7,7 +7,7 @@ from move.sim.tasks.opening import DISASSEMBLE, FAUCET_OPEN, WINDOW_OPEN
 from move.sim.tasks.placing import ASSEMBLY, BASKETBALL, BOX_CLOSE, HAMMER, PICK_PLACE, PICK_PLACE_WALL, PUSH
 from move.sim.tasks.task import FACTORS, Task
 
-__all__ = ["FACTORS", "TASKS", "Task", "get_task"]
+__all__ = ["DEFAULT_TASK", "FACTORS", "TASKS", "Task", "get_task"]
 
 TASKS = {
     task.name: task
@@ -15,6 +15,8 @@ TASKS = {
                  DISASSEMBLE, BASKETBALL)
 }
 """In the order of Table 2."""
+
+DEFAULT_TASK = PICK_PLACE.name
 
 
 def get_task(name: str) -> Task:

@@ -12,7 +12,8 @@ from move.sim.configuration import Box
 from move.sim.tasks import feasibility
 from move.sim.tasks.ranges import HALF_CIRCLE, SIDE, WIDE_HAND, WRENCH, fixed
 from move.sim.tasks.success import around, both, in_hoop, joint_beyond, near, touching
-from move.sim.tasks.task import Grip, Mount, Task
+from move.sim.tasks.task import GraspParameters, MovableBody, ScriptedPolicy, Task
+from move.sim.tasks.transport import along_table, into_hoop, onto_box, onto_nail, onto_peg, over_wall, straight
 
 PICK_PLACE = Task(
     name="pick-place",
@@ -22,13 +23,13 @@ PICK_PLACE = Task(
     target_range=Box((-0.1, 0.8, 0.05), (0.1, 0.9, 0.3)),
     hand_range=WIDE_HAND,
     camera_range=HALF_CIRCLE,
-    object_mounts=(Mount("free", "obj"),),
-    target_mounts=(Mount("site", "goal"),),
+    object_bodies=(MovableBody("free", "obj"),),
+    target_bodies=(MovableBody("site", "goal"),),
     object_point="body:obj",
     keypoints=("body:obj", "target"),
     success=near("body:obj", "target", 0.07),
     fixed=fixed((-0.05, 0.65, 0.02), (0.1, 0.85, 0.2)),
-    grip=Grip(offset=(-0.005, 0.0, 0.0), patience=30),
+    manipulation=GraspParameters(straight("body:obj"), offset=(-0.005, 0.0, 0.0), patience=30),
 )
 
 
@@ -40,13 +41,13 @@ PUSH = Task(
     target_range=Box((-0.1, 0.8, 0.01), (0.1, 0.9, 0.02)),
     hand_range=WIDE_HAND,
     camera_range=SIDE,
-    object_mounts=(Mount("free", "obj"),),
-    target_mounts=(Mount("site", "goal"),),
+    object_bodies=(MovableBody("free", "obj"),),
+    target_bodies=(MovableBody("site", "goal"),),
     object_point="body:obj",
     keypoints=("body:obj", "target"),
     success=near("body:obj", "target", 0.05),
     fixed=fixed((-0.05, 0.65, 0.0194), (0.1, 0.85, 0.015)),
-    grip=Grip(offset=(-0.005, 0.0, 0.0)),
+    manipulation=GraspParameters(along_table("body:obj"), offset=(-0.005, 0.0, 0.0)),
     target_dimensions=2,
 )
 
@@ -59,13 +60,17 @@ ASSEMBLY = Task(
     target_range=Box((-0.3, 0.75, 0.1), (0.15, 0.9, 0.1)),  # the top of the peg
     hand_range=WIDE_HAND,
     camera_range=HALF_CIRCLE,
-    object_mounts=(Mount("free", "RoundNut", yaw=math.pi / 2),),
-    target_mounts=(Mount("body", "peg", offset=(0.0, 0.0, -0.05)),),
+    object_bodies=(MovableBody("free", "RoundNut", yaw=math.pi / 2),),
+    target_bodies=(MovableBody("body", "peg", offset=(0.0, 0.0, -0.05)),),
     object_point="site:RoundNut-8",
     keypoints=WRENCH,
     success=around("site:RoundNut", "target", 0.02),
     fixed=fixed((-0.15, 0.6, 0.019), (0.1, 0.85, 0.1)),
-    grip=Grip(offset=(-0.02, 0.0, 0.0), height=0.04, effort=0.9),
+    manipulation=GraspParameters(
+        onto_peg("site:RoundNut", "body:peg+0,0,0.05"),
+        offset=(-0.02, 0.0, 0.0), height=0.04, gripper_command=0.9,
+    ),
+    scripted_policy=ScriptedPolicy(squares_lifted=True),
     yaw_range=(-math.pi / 3, math.pi / 3),
     turns_gripper=True,
     separation=0.10,
@@ -87,13 +92,14 @@ BOX_CLOSE = Task(
     target_range=Box((-0.25, 0.75, 0.133), (0.25, 0.85, 0.133)),
     hand_range=Box((0.3, 0.5, 0.2), (0.5, 0.6, 0.4)),
     camera_range=HALF_CIRCLE,
-    object_mounts=(Mount("free", "boxbodytop", yaw=math.pi / 2),),
-    target_mounts=(Mount("body", "boxbody", offset=(0.0, 0.0, -0.133)), Mount("site", "goal")),
+    object_bodies=(MovableBody("free", "boxbodytop", yaw=math.pi / 2),),
+    target_bodies=(MovableBody("body", "boxbody", offset=(0.0, 0.0, -0.133)), MovableBody("site", "goal")),
     object_point="body:top_link",
     keypoints=("body:top_link+0,0.05,0.082", "body:top_link+0,-0.05,0.082", "body:boxbody"),  # ends of the lid's handle
     success=near("body:top_link", "target", 0.08),
     fixed=fixed((0.0, 0.45, -0.059), (0.0, 0.8, 0.133)),
-    grip=Grip(height=0.065),
+    manipulation=GraspParameters(onto_box("body:top_link"), height=0.065),
+    scripted_policy=ScriptedPolicy(squares_lifted=True),
     yaw_range=(-math.pi / 4, math.pi / 4),
     yaw_speed_scale=0.1,
     separation=0.25,
@@ -114,17 +120,19 @@ HAMMER = Task(
     target_range=Box((-0.24, 0.87, 0.0), (0.24, 0.95, 0.0)),  # the box with the nail
     hand_range=Box((-0.4, 0.4, 0.1), (0.4, 0.6, 0.4)),
     camera_range=HALF_CIRCLE,
-    object_mounts=(Mount("free", "hammerbody"),),
-    target_mounts=(Mount("body", "box"),),
+    object_bodies=(MovableBody("free", "hammerbody"),),
+    target_bodies=(MovableBody("body", "box"),),
     object_point="body:hammer",
     keypoints=("body:hammer", "geom:HammerHead", "body:nail_link", "body:box"),
     success=joint_beyond("NailSlideJoint", 0.09),
     strict_success=both(joint_beyond("NailSlideJoint", 0.09), touching("body:hammer-HammerHandle", "body:nail_link")),
     fixed=fixed((0.0, 0.45, 0.0284), (0.2, 0.9, 0.0)),
-    grip=Grip(
-        offset=(-0.04, 0.0, 0.0), height=0.035, effort=0.9,
+    manipulation=GraspParameters(
+        onto_nail("geom:HammerHead", face=(0.0, 0.072, 0.0), nail="body:nail_link"),
+        offset=(-0.04, 0.0, 0.0), height=0.035, gripper_command=0.9,
         otherwise=tuple((along, 0.0, 0.0) for along in (-0.01, 0.02, 0.05, -0.07, -0.1)),
     ),
+    scripted_policy=ScriptedPolicy(hard_coded=("body:nail_link", (0.24, 0.64, 0.11)), squares_lifted=True),
     yaw_range=(-math.pi / 3, math.pi / 3),
     yaw_speed_scale=0.1,
     turns_gripper=True,
@@ -146,31 +154,34 @@ PICK_PLACE_WALL = Task(
     target_range=Box((-0.1, 0.8, 0.05), (0.1, 0.9, 0.3)),
     hand_range=WIDE_HAND,
     camera_range=HALF_CIRCLE,
-    object_mounts=(Mount("free", "obj"),),
-    target_mounts=(Mount("site", "goal"),),
+    object_bodies=(MovableBody("free", "obj"),),
+    target_bodies=(MovableBody("site", "goal"),),
     object_point="body:obj",
     keypoints=("body:obj", "target", "body:wall"),
     success=near("body:obj", "target", 0.07),
     fixed=fixed((-0.05, 0.59, 0.0194), (0.1, 0.85, 0.2)),
-    grip=Grip(offset=(-0.005, 0.0, 0.0)),
+    manipulation=GraspParameters(over_wall("body:obj", top=0.19, behind=0.79), offset=(-0.005, 0.0, 0.0)),
 )
 
 
 BASKETBALL = Task(
     name="basketball",
     title="Basketball",
-    metaworld="basketball-v3",
+    metaworld="basketball-v3",  # whose scripted policy expects the hoop at y = 0.875 m; that is left as it is
     object_range=Box((-0.3, 0.5, 0.0299), (0.3, 0.7, 0.0299)),
     target_range=Box((-0.3, 0.8, 0.0), (0.3, 0.9, 0.0)),  # the stand of the basket
     hand_range=WIDE_HAND,
     camera_range=SIDE,
-    object_mounts=(Mount("free", "bsktball"),),
-    target_mounts=(Mount("body", "basket_goal"),),
+    object_bodies=(MovableBody("free", "bsktball"),),
+    target_bodies=(MovableBody("body", "basket_goal"),),
     object_point="body:bsktball",
     keypoints=("body:bsktball", "body:hooplink"),
     success=in_hoop("body:bsktball", "body:hooplink", height=0.3, distance=0.08),
     fixed=fixed((0.0, 0.55, 0.0299), (0.0, 0.9, 0.0)),
-    grip=Grip(height=0.035, effort=0.6, opening=-1.0),
+    manipulation=GraspParameters(
+        into_hoop("body:bsktball", "body:hooplink"),
+        height=0.035, gripper_command=0.6, opening=-1.0,
+    ),
     reachable=feasibility.apart_from((0.0, -0.083, 0.0), 0.15),  # the ball is not under the hoop
     target_steps=140,
     target_dimensions=2,

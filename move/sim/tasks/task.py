@@ -1,7 +1,7 @@
 """What a task is: what is moved, over which ranges, what is seen as keypoints, how it is done and what success means.
 
-The scene, the motions and the experts read a `Task`; they hold no knowledge of any one. The ten tasks of the paper are
-in `move.sim.tasks`.
+The scene, the motions and the experts read a `Task`; they hold no knowledge of any one task, and a task knows nothing
+of them. The ten tasks of the paper are in `move.sim.tasks`.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from move.errors import BadInput
 from move.sim.configuration import Box, SpatialConfiguration, Vector
 from move.sim.tasks.feasibility import Reachable, anywhere
 from move.sim.tasks.success import Success
+from move.sim.tasks.transport import Transport
 
 FACTORS = {
     "object": frozenset({"object"}),
@@ -24,12 +25,12 @@ FACTORS = {
 """The settings of Table 1: which parts of the configuration are random; the others stay at the task's fixed ones.
 The object's yaw, where a task has one, goes with the object; the hand's start goes with the target."""
 
-MAX_DRAWS = 1000
+MAX_CANDIDATES = 1000
 
 
 @dataclass(frozen=True)
-class Mount:
-    """One MuJoCo element that is written when the object or the target moves.
+class MovableBody:
+    """One MuJoCo body or site that is written when the object or the target moves.
 
     `kind` is "free" (a body with a free joint), "body" (a body fixed in the world) or "site" (one of the world's);
     `offset` in metres is turned with the object and added to the position; `yaw` in radians is the stock orientation;
@@ -44,12 +45,13 @@ class Mount:
 
 
 @dataclass(frozen=True)
-class Grip:
-    """How the phase expert grips: the point and height over the object, effort in [-1, 1], steps spent closing."""
+class GraspParameters:
+    """How the phase expert grips, and where it takes what it holds; the gripper's commands are in [-1, 1]."""
 
+    transport: Transport
     offset: Vector = (0.0, 0.0, 0.0)  # from the object's point, in the object's frame, metres
     height: float = 0.03  # hand above the object's point while gripping, metres
-    effort: float = 1.0
+    gripper_command: float = 1.0  # while closing and holding
     opening: float = 0.0  # gripper command while approaching
     closing_steps: int = 8
     patience: int = 60  # steps of descending after which it closes wherever it is
@@ -57,7 +59,7 @@ class Grip:
 
 
 @dataclass(frozen=True)
-class Press:
+class PushParameters:
     """How the phase expert works a handle without gripping it: with a closed hand, from a start, along a stroke."""
 
     frame: str  # the body whose yaw the offset and the stroke turn with
@@ -67,6 +69,15 @@ class Press:
     joint: str  # that opens
     enough: float  # position of the joint at which the hand stops, metres or radians
     lost: float = 0.06  # metres in the plane from the start at which a stroke has missed the handle
+
+
+@dataclass(frozen=True)
+class ScriptedPolicy:
+    """What Meta-World's scripted policy of a task needs besides the scene turned into the object's frame."""
+
+    object_offset: Vector = (0.0, 0.0, 0.0)  # from the object's point to what Meta-World observes, metres
+    hard_coded: tuple[str, Vector] | None = None  # a point, and where the policy takes it to be in x and y, metres
+    squares_lifted: bool = False  # whether the gripper brings the object to yaw 0 once it is lifted
 
 
 @dataclass(frozen=True)
@@ -84,13 +95,14 @@ class Task:
     target_range: Box
     hand_range: Box
     camera_range: tuple[float, float]
-    object_mounts: tuple[Mount, ...]  # the first is the object's own body
-    target_mounts: tuple[Mount, ...]
+    object_bodies: tuple[MovableBody, ...]  # the first is the object's own body
+    target_bodies: tuple[MovableBody, ...]
     object_point: str  # the point that experts, motions and keypoints mean by "the object"
     keypoints: tuple[str, ...]  # after fingers and hand; names as in Scene.point
     success: Success
     fixed: SpatialConfiguration  # what is not randomised stays here
-    grip: Grip | Press
+    manipulation: GraspParameters | PushParameters
+    scripted_policy: ScriptedPolicy = ScriptedPolicy()
     yaw_range: tuple[float, float] = (0.0, 0.0)
     yaw_speed_scale: float = 1.0  # of the motions' largest yaw speed
     turns_gripper: bool = False  # whether the action has a fifth part, the gripper's yaw
@@ -109,13 +121,13 @@ class Task:
 
     @property
     def action_size(self) -> int:
-        """Parts of an action: displacement (3), effort and, where the gripper turns, its yaw."""
+        """Parts of an action: displacement (3), gripper command and, where the gripper turns, its yaw."""
         return 5 if self.turns_gripper else 4
 
     @property
     def has_target(self) -> bool:
         """Whether there is a target apart from the object."""
-        return bool(self.target_mounts)
+        return bool(self.target_bodies)
 
     @property
     def has_yaw(self) -> bool:
@@ -125,7 +137,7 @@ class Task:
     @property
     def grasps(self) -> bool:
         """Whether the pick phase ends with a grasp; otherwise it ends with the first touch."""
-        return isinstance(self.grip, Grip)
+        return isinstance(self.manipulation, GraspParameters)
 
     def allows(self, configuration: SpatialConfiguration, distance: float) -> bool:
         """Whether object and target are `distance` metres apart in the plane, and everything within reach."""
@@ -137,20 +149,20 @@ class Task:
         return math.dist(configuration.object_position[:2], configuration.target_position[:2]) >= distance
 
     def sample(self, rng: np.random.Generator, factors: str = "all") -> SpatialConfiguration:
-        """Draw a configuration: the `factors` (a key of FACTORS) are random, the rest is the task's fixed one.
+        """Sample a configuration: the `factors` (a key of FACTORS) are random, the rest is the task's fixed one.
 
         Raises:
-            BadInput: unknown factors, or no allowed configuration in a thousand draws.
+            BadInput: unknown factors, or no allowed configuration among a thousand candidates.
         """
         if factors not in FACTORS:
             raise BadInput(f"factors: {factors!r} given; allowed are {', '.join(FACTORS)}")
-        for _ in range(MAX_DRAWS):
-            drawn = self._draw(rng, factors)
-            if self.allows(drawn, self.separation):
-                return drawn
+        for _ in range(MAX_CANDIDATES):
+            candidate = self._candidate(rng, factors)
+            if self.allows(candidate, self.separation):
+                return candidate
         raise BadInput(f"{self.name}: no configuration has object and target {self.separation} m apart")
 
-    def _draw(self, rng: np.random.Generator, factors: str) -> SpatialConfiguration:
+    def _candidate(self, rng: np.random.Generator, factors: str) -> SpatialConfiguration:
         free, fixed = FACTORS[factors], self.fixed
         return SpatialConfiguration(
             object_position=self.object_range.sample(rng),
@@ -161,17 +173,17 @@ class Task:
         )
 
 
-def kept_share(task: Task, rng: np.random.Generator, n: int) -> float:
+def acceptance_rate(task: Task, rng: np.random.Generator, n: int) -> float:
     """Share of `n` configurations with object and target apart that the reach and clearance filter keeps.
 
     >>> from move.sim.tasks import get_task
-    >>> kept_share(get_task("pick-place"), np.random.default_rng(0), 100)
+    >>> acceptance_rate(get_task("pick-place"), np.random.default_rng(0), 100)
     1.0
     """
     kept = tried = 0
     while tried < n:
-        drawn = task._draw(rng, "all")
-        if task._apart(drawn, task.separation):
+        candidate = task._candidate(rng, "all")
+        if task._apart(candidate, task.separation):
             tried += 1
-            kept += task.reachable(drawn)
+            kept += task.reachable(candidate)
     return kept / n

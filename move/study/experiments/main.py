@@ -36,14 +36,16 @@ def generalization(
     profile: Profile, tasks: tuple[str, ...] = PAPER_TASKS, methods: tuple[str, ...] = PAPER_METHODS,
     seeds: tuple[Seeds, ...] = (0,), own_episodes: Count = 60, episodes: Count = 100, most_timesteps: Count = 20_000,
 ) -> list[LabelledRun]:
-    """Policies of table 2 from pixels, tried where table 2 tries them and where their own demonstrations grasped.
+    """Policies of table 2 from pixels: where table 2 tries them, the same in motion, and at their own grasps.
 
-    Every method's demonstrations show the scene as it is at the grasp, so the two rates mean the same for all. A policy
-    is trained once for both. No more of its own configurations are tried than its budget is sure to hold.
+    In motion everything moves as in demonstrations of MOVE. Every method's demonstrations show the scene as it is at
+    the grasp, so the rates mean the same for all. A policy is trained once for all. No more of its own configurations
+    are tried than its budget is sure to hold.
     """
     runs = grid(partial(policy_run, profile, episodes=episodes), seed=seeds, task=budgets(tasks, most_timesteps),
                 method=methods)
-    return runs + [run.tried(_own(run, own_episodes)) for run in runs]
+    moving = Evaluation(layout="moving", episodes=episodes)
+    return [*runs, *(run.tried(evaluation) for run in runs for evaluation in (_own(run, own_episodes), moving))]
 
 
 def _own(run: LabelledRun, episodes: int) -> Evaluation:
