@@ -31,7 +31,7 @@ class Evaluation(BaseModel):
 
     layout: Literal["random", "moving", "grid", "own", "grasp"] = Field(
         "random", description="random configurations, the same ones in a scene that moves as in MOVE's demonstrations, "
-        "a grid over the object, or the policy's own demonstrations as they began ('own') or when they grasped ('grasp')"
+        "a grid over the object, or the policy's own demonstrations as they began ('own') or grasped ('grasp')"
     )
     episodes: int = Field(100, gt=0, description="number of configurations, unless they are a grid")
     grid_side: int = Field(12, gt=0, description="cells along a side of the grid")
