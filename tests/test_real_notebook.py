@@ -46,7 +46,7 @@ def test_it_makes_its_figures_and_tables_from_nothing(tmp_path):
 
 def test_it_runs_on_data_without_poses_or_cameras_and_with_a_sheet(tmp_path, monkeypatch):
     """In this process, cell by cell: starting another kernel would tell nothing new."""
-    monkeypatch.setattr(paths, "figures", lambda profile: tmp_path / profile)
+    monkeypatch.setattr(paths, "figures", lambda profile: tmp_path / profile.name)
     w.lerobot_v2(tmp_path / "bare")
     lines = "".join(f"{n},{method},0.3,0.0,{n % 4}\n" for n in range(1, 6) for method in ("static", "MOVE"))
     (tmp_path / "sheet.csv").write_text("trial,method,position_x_m,position_y_m,score\n" + lines)
