@@ -30,13 +30,14 @@ class Evaluation(BaseModel):
     model_config = ConfigDict(frozen=True, strict=True, extra="forbid")
 
     layout: Literal["random", "moving", "grid", "own", "grasp"] = Field(
-        "random", description="random configurations; 'moving': the same, all in motion as for MOVE; a grid over the "
-        "object; or the policy's own demonstrations as they began ('own') or when they grasped ('grasp')"
+        default="random",
+        description="random configurations; 'moving': the same, all in motion as for MOVE; a grid over the object; "
+        "or the policy's own demonstrations as they began ('own') or when they grasped ('grasp')"
     )
-    episodes: int = Field(100, gt=0, description="number of configurations, unless they are a grid")
-    grid_side: int = Field(12, gt=0, description="cells along a side of the grid")
-    factors: str = Field("all", description="what is random; a grid varies the object alone")
-    points: Literal["none", "sparse", "circle"] = Field("none", description="grasp points tried besides a grid")
+    episodes: int = Field(default=100, gt=0, description="number of configurations, unless they are a grid")
+    grid_side: int = Field(default=12, gt=0, description="cells along a side of the grid")
+    factors: str = Field(default="all", description="what is random; a grid varies the object alone")
+    points: Literal["none", "sparse", "circle"] = Field(default="none", description="grasp points tried besides a grid")
 
 
 @dataclass(frozen=True)

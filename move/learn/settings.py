@@ -32,34 +32,43 @@ class Training(BaseModel):
 
     encoder: Literal["keypoints", "small_cnn", "resnet18"] = Field(description="from one observation to features")
     denoiser: Literal["mlp", "unet"] = Field(description="from noisy actions to a prediction")
-    target: Literal["sample", "noise"] = Field("sample", description="what the denoiser predicts")
-    observation_horizon: PositiveInt = Field(2, description="timesteps observed")
-    prediction_horizon: PositiveInt = Field(4, description="timesteps of actions predicted")
-    action_horizon: PositiveInt = Field(3, description="timesteps of actions executed")
-    diffusion_steps: PositiveInt = Field(100, description="noise levels in training")
-    inference_steps: PositiveInt = Field(10, description="DDIM steps that make an action")
+    target: Literal["sample", "noise"] = Field(default="sample", description="what the denoiser predicts")
+    observation_horizon: PositiveInt = Field(default=2, description="timesteps observed")
+    prediction_horizon: PositiveInt = Field(default=4, description="timesteps of actions predicted")
+    action_horizon: PositiveInt = Field(default=3, description="timesteps of actions executed")
+    diffusion_steps: PositiveInt = Field(default=100, description="noise levels in training")
+    inference_steps: PositiveInt = Field(default=10, description="DDIM steps that make an action")
     gradient_steps: PositiveInt = Field(description="optimiser steps")
-    batch_size: PositiveInt = Field(128, description="windows in a gradient step")
-    noise_draws: PositiveInt = Field(1, description="noise levels tried on each window in a gradient step")
-    learning_rate: PositiveFloat = Field(1e-4, description="of AdamW, after the warm-up")
-    beta1: float = Field(0.95, gt=0, lt=1, description="of AdamW, decay of the mean gradient")
-    beta2: float = Field(0.999, gt=0, lt=1, description="of AdamW, decay of the mean squared gradient")
-    weight_decay: NonNegativeFloat = Field(1e-6, description="of AdamW, share of the learning rate")
-    warmup_steps: NonNegativeInt = Field(500, description="gradient steps of linear warm-up, before the cosine")
-    ema_power: PositiveFloat = Field(0.75, description="decay of the averaged weights is 1 - (1 + step)^-power ...")
-    ema_decay: float = Field(0.9999, ge=0, lt=1, description="... but never above this")
-    crop_pixels: PositiveInt | None = Field(None, description="side of the crop, random in training, pixels; or none")
-    learning_frames: PositiveInt | None = Field(
-        None, description="newest frames of a window from which the encoder learns, the older ones pass it only; or all"
+    batch_size: PositiveInt = Field(default=128, description="windows in a gradient step")
+    noise_draws: PositiveInt = Field(default=1, description="noise levels tried on each window in a gradient step")
+    learning_rate: PositiveFloat = Field(default=1e-4, description="of AdamW, after the warm-up")
+    beta1: float = Field(default=0.95, gt=0, lt=1, description="of AdamW, decay of the mean gradient")
+    beta2: float = Field(default=0.999, gt=0, lt=1, description="of AdamW, decay of the mean squared gradient")
+    weight_decay: NonNegativeFloat = Field(default=1e-6, description="of AdamW, share of the learning rate")
+    warmup_steps: NonNegativeInt = Field(default=500, description="gradient steps of linear warm-up, before the cosine")
+    ema_power: PositiveFloat = Field(
+        default=0.75, description="decay of the averaged weights is 1 - (1 + step)^-power ..."
     )
-    cnn_width: PositiveInt = Field(32, description="channels of small_cnn")
-    cnn_blocks: NonNegativeInt = Field(2, description="residual blocks of small_cnn")
-    cnn_points: PositiveInt = Field(32, description="points that the spatial softmax locates")
-    softmax_gain: PositiveFloat = Field(1.0, description="on the first weights of small_cnn's spatial softmax")
-    mlp_width: PositiveInt = Field(256, description="features of the MLP denoiser")
-    mlp_depth: PositiveInt = Field(3, description="residual blocks of the MLP denoiser")
-    unet_widths: Widths = Field((512, 1024, 2048), description="channels of the U-Net denoiser, finest level first")
-    precision: Literal["float32", "bfloat16"] = Field("float32", description="of training; bfloat16 where it is fast")
+    ema_decay: float = Field(default=0.9999, ge=0, lt=1, description="... but never above this")
+    crop_pixels: PositiveInt | None = Field(
+        default=None, description="side of the crop, random in training, pixels; or none"
+    )
+    learning_frames: PositiveInt | None = Field(
+        default=None,
+        description="newest frames of a window from which the encoder learns, the older ones pass it only; or all"
+    )
+    cnn_width: PositiveInt = Field(default=32, description="channels of small_cnn")
+    cnn_blocks: NonNegativeInt = Field(default=2, description="residual blocks of small_cnn")
+    cnn_points: PositiveInt = Field(default=32, description="points that the spatial softmax locates")
+    softmax_gain: PositiveFloat = Field(default=1.0, description="on the first weights of small_cnn's spatial softmax")
+    mlp_width: PositiveInt = Field(default=256, description="features of the MLP denoiser")
+    mlp_depth: PositiveInt = Field(default=3, description="residual blocks of the MLP denoiser")
+    unet_widths: Widths = Field(
+        default=(512, 1024, 2048), description="channels of the U-Net denoiser, finest level first"
+    )
+    precision: Literal["float32", "bfloat16"] = Field(
+        default="float32", description="of training; bfloat16 where it is fast"
+    )
 
     @model_validator(mode="after")
     def _refuse_the_impossible(self) -> Self:

@@ -22,13 +22,17 @@ class Jumping(BaseModel):
 
     model_config = ConfigDict(frozen=True, strict=True, extra="forbid")
 
-    seen_steps: int = Field(0, ge=0, le=50, description="observations of a phase that show a place before what stands "
-                            "there may jump")
-    distance_from: Literal["fingers", "held"] = Field(
-        "fingers", description="what has to come near the target: the point between the fingers, or what they hold"
+    seen_steps: int = Field(
+        default=0, ge=0, le=50, description="observations of a phase that show a place before what stands there may jump"
     )
-    times: int = Field(1, ge=1, le=10, description="jumps a phase")
-    required: bool = Field(False, description="whether a demonstration that lacks one of its jumps counts as failed")
+    distance_from: Literal["fingers", "held"] = Field(
+        default="fingers",
+        description="what has to come near the target: the point between the fingers, or what they hold"
+    )
+    times: int = Field(default=1, ge=1, le=10, description="jumps a phase")
+    required: bool = Field(
+        default=False, description="whether a demonstration that lacks one of its jumps counts as failed"
+    )
 
 
 MENDED = Jumping(seen_steps=10, distance_from="held", required=True)

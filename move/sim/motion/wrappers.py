@@ -33,8 +33,8 @@ class Motions(BaseModel):
 
     model_config = ConfigDict(frozen=True, strict=True, extra="forbid")
 
-    object_speed: float = Field(0.03, ge=0, description="metres per step")
-    target_speed: float = Field(0.03, ge=0, description="metres per step")
+    object_speed: float = Field(default=0.03, ge=0, description="metres per step")
+    target_speed: float = Field(default=0.03, ge=0, description="metres per step")
     yaw_speed: float = Field(math.radians(1.0), ge=0, description="radians per step")
     camera_speed: float = Field(math.radians(1.0), ge=0, description="radians per step")
 
