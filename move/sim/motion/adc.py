@@ -23,7 +23,8 @@ class Jumping(BaseModel):
     model_config = ConfigDict(frozen=True, strict=True, extra="forbid")
 
     seen_steps: int = Field(
-        default=0, ge=0, le=50, description="observations of a phase that show a place before what stands there may jump"
+        default=0, ge=0, le=50,
+        description="observations of a phase that show a place before what stands there may jump"
     )
     distance_from: Literal["fingers", "held"] = Field(
         default="fingers",
