@@ -10,13 +10,14 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from typing import cast
 
 import gymnasium
 import numpy as np
 
 from move.errors import BadInput
 from move.sim.collection import Collection
-from move.sim.configuration import SpatialConfiguration, Vector
+from move.sim.configuration import SpatialConfiguration, Vector, vector
 from move.sim.demonstrations import Demonstrations
 from move.sim.experts.phase import Expert, make_expert
 from move.sim.grasp_points import grasp_point, motion_region
@@ -97,10 +98,13 @@ def attempt_seed(seed: int, attempt: int) -> int:
 
 def demonstrate(env: gymnasium.Env, expert: Expert, seed: int, options: dict) -> Episode:
     """Let `expert` try the task once: at most 200 steps, ended by the tenth successful one."""
-    scene: Scene = env.unwrapped
+    scene = cast(Scene, env.unwrapped)
     observation, _ = env.reset(seed=seed, options=options)
     expert.reset()
-    observations, actions, successes, start, grasp = [], [], 0, scene.configuration, None
+    observations: list[np.ndarray] = []
+    actions: list[np.ndarray] = []
+    successes, start = 0, scene.configuration
+    grasp: SpatialConfiguration | None = None
     while len(actions) < EPISODE_STEPS and successes < SUCCESS_STEPS:
         observations.append(observation)
         actions.append(expert.action(scene))
@@ -151,7 +155,7 @@ def _start(collection: Collection, task: Task, point: Vector | None, seed: int) 
 def hand_start(task: Task, spread: float, seed: int) -> Vector:
     """Where the hand starts (metres): drawn from the box of half-side `spread` around the task's fixed hand."""
     drawn = np.random.default_rng([seed, HAND]).uniform(-spread, spread, 3) if spread else (0.0, 0.0, 0.0)
-    return tuple(float(fixed + aside) for fixed, aside in zip(task.fixed.hand_position, drawn, strict=True))
+    return vector(fixed + aside for fixed, aside in zip(task.fixed.hand_position, drawn, strict=True))
 
 
 def _grasped_there(episode: Episode, point: Vector) -> bool:
@@ -200,16 +204,17 @@ def _collect(
             raise BadInput(f"{collection.task}, {collection.method}: {PATIENCE} attempts in a row failed")
         if total >= collection.timesteps:
             break
+    grasps = [episode.grasp for episode in episodes if episode.grasp]  # every kept demonstration has one
     record = CollectionRecord(
         attempts=tried,
         demonstrations=len(episodes),
         timesteps=collection.timesteps,
         mean_steps=total / len(episodes),
         generation_rate=len(episodes) / tried,
-        grasp_points=[episode.grasp.object_position[:2] for episode in episodes],
+        grasp_points=[grasp.object_position[:2] for grasp in grasps],
         seconds=time.perf_counter() - started,
         starts=[episode.start for episode in episodes],
-        grasps=[episode.grasp for episode in episodes],
+        grasps=grasps,
         jumps=[episode.jumps for episode in episodes],
     )
     return _join(episodes, collection.timesteps), record

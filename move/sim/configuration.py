@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +11,16 @@ import numpy as np
 from move.errors import BadInput
 
 Vector = tuple[float, float, float]
+
+
+def vector(values: Iterable[float]) -> Vector:
+    """Three numbers as a Vector.
+
+    >>> vector(np.array([1, 2, 3]))
+    (1.0, 2.0, 3.0)
+    """
+    x, y, z = values
+    return float(x), float(y), float(z)
 
 
 @dataclass(frozen=True)
@@ -33,7 +44,7 @@ class Box:
     @property
     def centre(self) -> Vector:
         """The middle of the box (metres)."""
-        return tuple((low + high) / 2 for low, high in zip(self.low, self.high, strict=True))
+        return vector((low + high) / 2 for low, high in zip(self.low, self.high, strict=True))
 
     def contains(self, position: Vector, margin: float = 1e-9) -> bool:
         """Whether `position` (metres) lies inside, up to `margin` metres."""
@@ -44,11 +55,11 @@ class Box:
 
     def sample(self, rng: np.random.Generator) -> Vector:
         """A position drawn uniformly from the box (metres)."""
-        return tuple(float(value) for value in rng.uniform(self.low, self.high))
+        return vector(rng.uniform(self.low, self.high))
 
     def reflect(self, position: Vector) -> Vector:
         """Fold a position that ran past the limits back into the box, as a bounce does (metres)."""
-        return tuple(
+        return vector(
             reflect(value, low, high) for value, low, high in zip(position, self.low, self.high, strict=True)
         )
 

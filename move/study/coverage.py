@@ -6,7 +6,7 @@ visited, for the object's place, the target's place and the camera's angle.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, SupportsFloat
 
 import gymnasium
 import numpy as np
@@ -30,16 +30,17 @@ class Recorder(gymnasium.Wrapper):
         self._note()
         return outcome
 
-    def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict]:
+    def step(self, action: np.ndarray) -> tuple[np.ndarray, SupportsFloat, bool, bool, dict]:
         """Step and note where everything is."""
         outcome = self.env.step(action)
         self._note()
         return outcome
 
     def _note(self) -> None:
-        now = self.unwrapped.configuration
+        scene: Any = self.unwrapped
+        now = scene.configuration
         self.seen.append({
-            "phase": self.unwrapped.phase,
+            "phase": scene.phase,
             **dict(zip(("object_x", "object_y", "object_z"), now.object_position, strict=True)),
             **dict(zip(("target_x", "target_y", "target_z"), now.target_position, strict=True)),
             "camera_angle": now.camera_angle,
@@ -52,7 +53,8 @@ def configurations(collection: Collection, seed: int) -> pd.DataFrame:
 
     Columns besides: episode, timestep, method. Failed attempts are left out, as in the data set itself.
     """
-    recorder, frames, total = Recorder(collecting_env(collection)), [], 0
+    frames: list[pd.DataFrame] = []
+    recorder, total = Recorder(collecting_env(collection)), 0
     for episode in attempts(collection, seed, recorder):
         if episode.succeeded:
             frame = pd.DataFrame(recorder.seen[: len(episode.actions)])

@@ -177,8 +177,11 @@ def over_tasks(pairs: Sequence[tuple[np.ndarray, np.ndarray]]) -> OverTasks:
     improvement = _resampled(better[:, None], lambda drawn: drawn[..., 0].mean(axis=-1))
     flipped = stats.permutation_test((differences,), lambda values, axis: values.mean(axis=axis), n_resamples=np.inf,
                                      permutation_type="samples", vectorized=True)
-    return OverTasks(len(pairs), float(differences.mean()), *map(float, spread), float(_iqm(rates[:, 0])),
-                     float(_iqm(rates[:, 1])), *iqm, float(better.mean()), *improvement, float(flipped.pvalue))
+    return OverTasks(
+        tasks=len(pairs), mean_difference=float(differences.mean()), low=float(spread[0]), high=float(spread[1]),
+        iqm_first=float(_iqm(rates[:, 0])), iqm_second=float(_iqm(rates[:, 1])), iqm_low=iqm[0], iqm_high=iqm[1],
+        improvement=float(better.mean()), improvement_low=improvement[0], improvement_high=improvement[1],
+        p_value=float(flipped.pvalue))
 
 
 def holm(p_values: Sequence[float]) -> np.ndarray:
@@ -230,7 +233,8 @@ def _total(
 ) -> tuple[float, float]:
     """Variance and degrees of freedom of a mean over configurations, for which each of `cells` was trained."""
     count = len(by_configuration)
-    parts = [(float(by_configuration.var(ddof=1)) / count, count - 1) if count > 1 else (0.25, 1)]
+    parts: list[tuple[float, float]] = [
+        (float(by_configuration.var(ddof=1)) / count, count - 1) if count > 1 else (0.25, 1)]
     below = 0.0
     for cell in cells:
         variance, degrees, chance = _over_trainings(cell, pooled)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Any, Literal
+from typing import Any, Literal, SupportsFloat, cast
 
 import gymnasium
 import numpy as np
@@ -71,7 +71,7 @@ class Jumps(gymnasium.Wrapper):
 
     def __init__(self, env: gymnasium.Env, factors: str = "all", jumping: Jumping | None = None) -> None:
         super().__init__(env)
-        self.scene: Scene = env.unwrapped
+        self.scene: Scene = cast(Scene, env.unwrapped)
         self.jumping, self.phases = jumping or Jumping(), jumping_phases(self.scene.task, factors)
 
     def reset(self, **keywords: Any) -> tuple[np.ndarray, dict]:
@@ -81,7 +81,7 @@ class Jumps(gymnasium.Wrapper):
         observation, info = self.env.reset(**keywords)
         return observation, info | {"jumps": 0}
 
-    def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict]:
+    def step(self, action: np.ndarray) -> tuple[np.ndarray, SupportsFloat, bool, bool, dict]:
         """Jump if it is time, then step."""
         phase = self.scene.phase
         self.seen = self.seen + 1 if phase == self.seen_in else 1

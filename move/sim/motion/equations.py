@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from move.sim.configuration import Box, Disc, Vector, reflect
+from move.sim.configuration import Box, Disc, Vector, reflect, vector
 
 BETA = (2.0, 5.0)  # alpha and beta of every speed's Beta distribution (paper, after equation 1)
 
@@ -26,8 +26,8 @@ def sample_direction(rng: np.random.Generator, dimensions: int) -> Vector:
     if dimensions == 2:
         angle = rng.uniform(0.0, 2.0 * math.pi)
         return (math.cos(angle), math.sin(angle), 0.0)
-    vector = rng.normal(size=3)
-    return tuple(float(value) for value in vector / np.linalg.norm(vector))
+    normal = rng.normal(size=3)
+    return vector(normal / np.linalg.norm(normal))
 
 
 def sample_sign(rng: np.random.Generator) -> int:
@@ -49,7 +49,7 @@ def translate(start: Vector, velocity: Vector, time: float, region: Box | Disc) 
     0.3
     """
     if isinstance(region, Box):
-        return region.reflect(tuple(p + time * v for p, v in zip(start, velocity, strict=True)))
+        return region.reflect(vector(p + time * v for p, v in zip(start, velocity, strict=True)))
     speed = math.hypot(velocity[0], velocity[1])
     if speed == 0:
         return start

@@ -14,13 +14,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Any, Literal
+from typing import Any, Literal, SupportsFloat, cast
 
 import gymnasium
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-from move.sim.configuration import Box, Disc, SpatialConfiguration
+from move.sim.configuration import Box, Disc, SpatialConfiguration, vector
 from move.sim.motion import equations
 from move.sim.scene.scene import Scene
 from move.sim.tasks.task import FACTORS, Task
@@ -50,7 +50,7 @@ class Motion(gymnasium.Wrapper):
 
     def __init__(self, env: gymnasium.Env, maximum_speed: float) -> None:
         super().__init__(env)
-        self.scene: Scene = env.unwrapped
+        self.scene: Scene = cast(Scene, env.unwrapped)
         self.maximum_speed = maximum_speed
 
     def reset(self, **keywords: Any) -> tuple[np.ndarray, dict]:
@@ -60,7 +60,7 @@ class Motion(gymnasium.Wrapper):
         self.sample(self.scene.np_random)
         return observation, info
 
-    def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict]:
+    def step(self, action: np.ndarray) -> tuple[np.ndarray, SupportsFloat, bool, bool, dict]:
         """Move this part, then step."""
         if self.moving():
             self._move()
@@ -139,7 +139,7 @@ class ObjectTranslation(PickMotion):
     def sample(self, rng: np.random.Generator) -> None:
         """Sample v ~ Beta(2, 5) and a direction uniform on the circle."""
         speed = equations.sample_speed(rng, self.maximum_speed)
-        self.velocity = tuple(speed * part for part in equations.sample_direction(rng, 2))
+        self.velocity = vector(speed * part for part in equations.sample_direction(rng, 2))
 
     def placed(self, time: float) -> SpatialConfiguration:
         """The configuration with the object where it is after `time` steps."""
@@ -180,7 +180,7 @@ class TargetTranslation(Motion):
         """Sample v ~ Beta(2, 5) and a direction uniform on the sphere, or on the circle for a target on the table."""
         speed = equations.sample_speed(rng, self.maximum_speed)
         direction = equations.sample_direction(rng, self.scene.task.target_dimensions)
-        self.velocity = tuple(speed * part for part in direction)
+        self.velocity = vector(speed * part for part in direction)
         self.keeps_clear = False  # the object is in the hand
 
     def placed(self, time: float) -> SpatialConfiguration:
@@ -231,7 +231,8 @@ def movable(task: Task, factors: str) -> tuple[Part, ...]:
 def with_motions(scene: Scene, motions: Motions, factors: str, region: Box | Disc | None = None,
                  arrive: bool = False) -> gymnasium.Env:
     """MOVE's staged strategy around `scene`: only what `factors` randomises moves, and only with a speed above 0."""
-    able, env = movable(scene.task, factors), scene
+    able = movable(scene.task, factors)
+    env: gymnasium.Env = scene
     if motions.object_speed:
         env = ObjectTranslation(env, motions.object_speed, region, arrive)
     if motions.yaw_speed and "rotation" in able:

@@ -19,7 +19,7 @@ import numpy as np
 from gymnasium.spaces import Box as BoxSpace
 
 from move.errors import BadInput
-from move.sim.configuration import SpatialConfiguration, Vector
+from move.sim.configuration import SpatialConfiguration, Vector, vector
 from move.sim.geometry import limited
 from move.sim.observe import keypoint_names, keypoint_slices, keypoints
 from move.sim.scene.scene_state import Readable
@@ -194,12 +194,12 @@ class Scene(Readable, gymnasium.Env):
             if movable.joint:
                 at, speed = self._world.hinge_or_slide(movable.joint)
                 self._data.qpos[at] = self._data.qvel[speed] = 0.0
-        self._configuration = replace(self._configuration, object_position=tuple(position), object_yaw=yaw)
+        self._configuration = replace(self._configuration, object_position=vector(position), object_yaw=yaw)
 
     def move_target(self, position: Vector) -> None:
         """Put the target at `position` (metres)."""
         self._target[:] = position
-        self._configuration = replace(self._configuration, target_position=tuple(position))
+        self._configuration = replace(self._configuration, target_position=vector(position))
         self._load_state()
         for movable in self.task.target_bodies:
             self._world.place(movable, position, 0.0)
