@@ -11,12 +11,11 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
-import gymnasium
 import numpy as np
 
 from move.learn.agents import Player
 from move.sim.configuration import SpatialConfiguration
-from move.sim.motion.wrappers import Motions, with_motions
+from move.sim.motion.wrappers import Motion, Motions, with_motions
 from move.sim.scene.scene import EPISODE_STEPS, SUCCESS_STEPS, Scene
 from move.sim.tasks.task import Task
 
@@ -33,7 +32,7 @@ class Played:
 
     number: int
     scene: Scene
-    world: gymnasium.Env
+    world: Scene | Motion
     window: deque[np.ndarray]
     successes: int = field(default=0)
 
@@ -63,11 +62,11 @@ def roll_out(
         on_ended: called with the number of episodes that have ended, after each decision.
         watch: called with the number and the scene at the start and after every step.
         in_motion: a key of FACTORS: what moves while the agent acts, as in MOVE's demonstrations; by default nothing.
-        numbers_from: the number of the first configuration, of which an episode's motions depend.
+        numbers_from: the number of the first configuration, on which an episode's motions depend.
     """
     seen = observation if player.observation_horizon else "keypoints"
     scenes = [Scene(task, seen, image_size) for _ in configurations]
-    worlds = scenes if in_motion is None else [with_motions(scene, Motions(), in_motion) for scene in scenes]
+    worlds = [scene if in_motion is None else with_motions(scene, Motions(), in_motion) for scene in scenes]
     played = []
     for number in range(len(scenes)) if only is None else only:
         seed = int(np.random.SeedSequence([MOTION_STREAM, numbers_from + number]).generate_state(1)[0])
@@ -92,13 +91,9 @@ def _execute(one: Played, actions: np.ndarray, watch: Watch | None) -> None:
     for left, action in zip(reversed(range(len(actions))), actions, strict=True):
         if not one.running:
             break
-        seen = None
-        if one.world is one.scene:
-            one.scene.advance(action)
-        else:
-            seen, *_ = one.world.step(action)
+        one.world.advance(action)
         one.successes += one.scene.success
         if watch:
             watch(one.number, one.scene)
         if left < one.window.maxlen:
-            one.window.append(one.scene.observe() if seen is None else seen)
+            one.window.append(one.scene.observe())

@@ -66,6 +66,12 @@ class Motion(gymnasium.Wrapper):
             self._move()
         return self.env.step(action)
 
+    def advance(self, action: np.ndarray) -> None:
+        """Move this part, then advance without observing."""
+        if self.moving():
+            self._move()
+        self.env.advance(action)
+
     def _move(self) -> None:
         wanted = self.placed(self.clock + self.sense)
         self.moves += 1
@@ -229,10 +235,10 @@ def movable(task: Task, factors: str) -> tuple[Part, ...]:
 
 
 def with_motions(scene: Scene, motions: Motions, factors: str, region: Box | Disc | None = None,
-                 arrive: bool = False) -> gymnasium.Env:
+                 arrive: bool = False) -> Scene | Motion:
     """MOVE's staged strategy around `scene`: only what `factors` randomises moves, and only with a speed above 0."""
     able = movable(scene.task, factors)
-    env: gymnasium.Env = scene
+    env: Scene | Motion = scene
     if motions.object_speed:
         env = ObjectTranslation(env, motions.object_speed, region, arrive)
     if motions.yaw_speed and "rotation" in able:
