@@ -12,7 +12,7 @@ import pytest  # noqa: E402
 from move import (
     paths,  # noqa: E402
 )
-from move.report import page, plots, style, tables  # noqa: E402
+from move.report import differences, page, plots, style, tables  # noqa: E402
 from move.sim.collect import Collection  # noqa: E402
 from move.sim.configuration import Disc  # noqa: E402
 from move.sim.tasks import TASKS  # noqa: E402
@@ -53,19 +53,19 @@ def test_one_seed_is_judged_by_the_noise_of_cells_with_several_and_an_agent_with
 
 def test_words_hold_after_holm():
     items = [three_methods(name, 0.2).assign(task=name) for name in "abcdefghij"]
-    gaps = tables.gap_table(pd.concat(items), "task", ("static",)).assign(low=0.01, high=0.3, gap=0.15, p=0.03)
+    gaps = differences.gap_table(pd.concat(items), "task", ("static",)).assign(low=0.01, high=0.3, gap=0.15, p=0.03)
     gaps["holm"] = statistics.holm(gaps.p)
-    assert "not distinguishable" in tables.spoken_gap(gaps.iloc[0])
-    assert "above static on 0 of 10" in tables.spoken_gaps(gaps, tables.gap_means(pd.concat(items), "task"))
+    assert "not distinguishable" in differences.spoken_gap(gaps.iloc[0])
+    assert "above static on 0 of 10" in differences.spoken_gaps(gaps, differences.gap_means(pd.concat(items), "task"))
 
 
 def test_the_table_over_tasks_has_the_task_as_its_unit():
     both = pd.concat([three_methods(task, 0.9) for task in ("push", "hammer", "assembly", "basketball")])
-    table = tables.tasks_table(both).set_index("than")
+    table = differences.tasks_table(both).set_index("than")
     assert table.tasks.tolist() == [4, 4] and table.loc["static"].improvement == 1.0
     assert table.loc["static"].p_value == pytest.approx(2 / 2**4)
-    assert "p = 0.125" in tables.spoken_tasks(table.reset_index())
-    assert tables.tasks_table(both[both.task == "push"]).empty
+    assert "p = 0.125" in differences.spoken_tasks(table.reset_index())
+    assert differences.tasks_table(both[both.task == "push"]).empty
 
 
 def test_methods_always_have_the_same_three_colours():
@@ -186,7 +186,7 @@ def three_methods(task: str, move: float) -> pd.DataFrame:
 
 def test_the_gap_table_names_the_winner_on_each_item_and_on_the_mean():
     both = pd.concat([three_methods("a", 0.95), three_methods("b", 0.2)])
-    table, means = tables.gap_table(both, "task"), tables.gap_means(both, "task")
+    table, means = differences.gap_table(both, "task"), differences.gap_means(both, "task")
     assert list(zip(table.task, table.than, strict=True)) == [
         ("a", "static"), ("a", "adc"), ("b", "static"), ("b", "adc")]
     assert means.than.tolist() == ["static", "adc"] and means["items"].tolist() == [2, 2]
@@ -194,10 +194,10 @@ def test_the_gap_table_names_the_winner_on_each_item_and_on_the_mean():
     mean = means.iloc[0]
     assert above.low > 0 and below.high < 0
     assert mean.gap == pytest.approx(table[table.than == "static"].gap.mean())
-    assert "above 0" in tables.spoken_gap(table.iloc[0]) and "below 0" in tables.spoken_gap(table.iloc[3])
-    spoken = tables.spoken_gaps(table, means)
+    assert "above 0" in differences.spoken_gap(table.iloc[0]) and "below 0" in differences.spoken_gap(table.iloc[3])
+    spoken = differences.spoken_gaps(table, means)
     assert "above static on 1 of 2" in spoken and "below it on 1" in spoken
-    assert f"on the mean {tables.spoken_gap(mean)}" in spoken
+    assert f"on the mean {differences.spoken_gap(mean)}" in spoken
     _, ax = plt.subplots()
     plots.gaps(table, "task", ["a", "b"], ax, means)
     assert [label.get_text() for label in ax.get_yticklabels()] == ["a", "b", "mean of 2"]
@@ -206,7 +206,7 @@ def test_the_gap_table_names_the_winner_on_each_item_and_on_the_mean():
 
 def test_the_papers_gap_stands_beside_ours_on_the_same_items():
     both = pd.concat([three_methods("push", 0.9), three_methods("hammer", 0.9)])
-    gaps = tables.gap_table(both, "task", ("static",))
+    gaps = differences.gap_table(both, "task", ("static",))
     table = tables.with_paper(gaps, "table2_main", on=["task", "than"], metric="gap")
     assert table.paper.tolist() == pytest.approx([0.410 - 0.163, 0.309 - 0.156])
 
@@ -217,7 +217,7 @@ def test_whether_the_length_of_training_matters_is_the_change_of_the_difference(
 
     both = pd.concat([pd.concat([cells(1 / 3, 0.3), cells(3.0, late)]).assign(task=task)
                       for task, late in (("push", 0.9), ("hammer", 0.3))])
-    table = tables.length_matters(both).set_index("task")
+    table = differences.length_matters(both).set_index("task")
     grid = both.groupby(["task", "length", "method"]).success.mean()
     for task in ("push", "hammer"):
         change = [grid[task, length, "move"] - grid[task, length, "static"] for length in (3.0, 1 / 3)]
@@ -237,18 +237,18 @@ def test_two_readings_are_compared_on_the_tasks_that_have_both():
     one = episodes({"adc": 0.9}, trials=64).assign(jumping="mended")
     other = episodes({"adc": 0.2}, trials=64).assign(jumping="as printed")
     both = pd.concat([one.assign(task="push"), other.assign(task="push"), one.assign(task="hammer")])
-    gap = tables.reading_gap(both, "jumping", "mended", "as printed")
+    gap = differences.reading_gap(both, "jumping", "mended", "as printed")
     assert gap["items"] == 1 and gap.gap == pytest.approx(one.success.mean() - other.success.mean()) and gap.low > 0
-    assert tables.reading_gap(both, "jumping", "periodic", "mended").empty
+    assert differences.reading_gap(both, "jumping", "periodic", "mended").empty
 
 
 def test_a_method_that_is_missing_leaves_no_gap():
     half = three_methods("a", 0.9)
-    table = tables.gap_table(half[half.method != "adc"], "task")
+    table = differences.gap_table(half[half.method != "adc"], "task")
     assert list(table.than) == ["static"]
-    assert tables.gap_table(half[half.method == "adc"], "task").empty
-    means = tables.gap_means(half, "task")
-    assert means.empty and tables.spoken_gaps(tables.gap_table(half[half.method == "adc"], "task"),
+    assert differences.gap_table(half[half.method == "adc"], "task").empty
+    means = differences.gap_means(half, "task")
+    assert means.empty and differences.spoken_gaps(differences.gap_table(half[half.method == "adc"], "task"),
                                               means) == "nothing is stored yet."
 
 
@@ -266,13 +266,13 @@ def test_plots_draw_one_mark_a_row_and_survive_a_missing_method():
     plots.grouped_rates(rates, "where", ["inside", "outside"], ax)
     assert len(ax.patches) == 3
     _, ax = plt.subplots()
-    plots.gaps(tables.gap_table(three_methods("a", 0.9), "task"), "task", ["a"], ax)
+    plots.gaps(differences.gap_table(three_methods("a", 0.9), "task"), "task", ["a"], ax)
     assert len(ax.containers) == 2
     _, ax = plt.subplots()
-    plots.gaps(tables.gap_table(three_methods("push", 0.9), "task").assign(paper=0.2), "task", ["push"], ax)
+    plots.gaps(differences.gap_table(three_methods("push", 0.9), "task").assign(paper=0.2), "task", ["push"], ax)
     assert [line.get_xdata().tolist() for line in ax.lines if line.get_marker() == "x"] == [[0.2], [0.2]]
     _, ax = plt.subplots()
-    plots.gaps(tables.gap_table(three_methods("a", 0.9).query("method == 'adc'"), "task"), "task", [], ax)
+    plots.gaps(differences.gap_table(three_methods("a", 0.9).query("method == 'adc'"), "task"), "task", [], ax)
     assert not ax.containers
 
 

@@ -76,7 +76,7 @@ def known_noise(profile: Profile, observation: str) -> TrainingNoise:
         return UNKNOWN
     runs = table2_main(profile, seeds=3, control_seeds=0) if observation == "rgb" else table_keypoint_control(profile)
     episodes = table(split([run.spec for run in runs if run.spec.training], paths.results(profile))[0])
-    return training_noise(episodes, ["task", "method", "timesteps", "jumping"]) if len(episodes) else UNKNOWN
+    return training_noise(episodes, ["task", "method", "timesteps"]) if len(episodes) else UNKNOWN
 
 
 def publish(name: str, figure: Figure | None, tables: dict[str, pd.DataFrame], gathered: Gathered) -> None:

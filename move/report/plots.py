@@ -94,9 +94,9 @@ def gaps(table: pd.DataFrame, by: str, labels: list[str], ax: Axes, means: pd.Da
     """Differences MOVE minus another method with intervals, 0 marked; a column `paper` as crosses.
 
     Args:
-        table: as `move.report.tables.gap_table` gives it.
+        table: as `move.report.differences.gap_table` gives it.
         labels: what to call the values of `by`, in their order.
-        means: as `move.report.tables.gap_means` gives them: drawn below the last item.
+        means: as `move.report.differences.gap_means` gives them: drawn below the last item.
     """
     if means is not None and len(means):
         names = [f"mean of {items}" for items in means["items"]]

@@ -18,7 +18,6 @@ import pandas as pd
 from pydantic import ValidationError
 
 from move.errors import BadInput
-from move.sim.motion.adc import JUMPS
 from move.study.labels import Label
 from move.study.spec import RunSpec
 
@@ -141,8 +140,6 @@ def table(results: list[Result]) -> pd.DataFrame:
             observation=result.spec.observation,
             timesteps=result.spec.collection.timesteps if result.spec.collection else 0,
             factors=result.spec.evaluation.factors,
-            gradient_steps=result.spec.training.gradient_steps if result.spec.training else 0,
-            jumping=_named(result.spec),
             hand_spread=result.spec.collection.hand_spread if result.spec.collection else 0.0,
             seed=result.spec.seed,
         )
@@ -156,10 +153,3 @@ def _episodes(result: Result) -> pd.DataFrame:
     if taken := set(result.labels) & set(rows):
         raise BadInput(f"label: {', '.join(sorted(taken))} given, which every episode has; allowed is another name")
     return rows.assign(**result.labels)
-
-
-def _named(spec: RunSpec) -> str:
-    """Which reading of ADC a run has, "" for another method."""
-    if spec.method != "adc":
-        return ""
-    return next((name for name, jumping in JUMPS.items() if jumping == spec.collection.jumping), "its own")

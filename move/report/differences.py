@@ -1,0 +1,163 @@
+"""Differences of methods: MOVE minus another, item by item, on the mean and over tasks, as tables and in words."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+
+from move.report.style import NAMES
+from move.report.tables import successes, training_noise
+from move.study.statistics import (
+    UNKNOWN,
+    Estimate,
+    TrainingNoise,
+    difference,
+    holm,
+    mean_difference,
+    over_tasks,
+)
+
+Pair = tuple[np.ndarray, np.ndarray]
+LEVEL = 0.05  # of a word such as "above": of all the words of one table together
+
+
+def gap_table(episodes: pd.DataFrame, by: str, others: tuple[str, ...] = ("static", "adc"),
+              known: TrainingNoise = UNKNOWN) -> pd.DataFrame:
+    """MOVE minus each other method, paired, one row a value of `by` and method: interval, p, and p after Holm.
+
+    Holm's adjustment is over all values of `by`, for each other method apart. The noise of trainings is as in
+    `rate_table`.
+
+    Args:
+        episodes: rows as `move.study.results.table` gives them, with the column `by`, policies only.
+    """
+    noise = training_noise(episodes, [by, "method"], known)
+    rows: list[dict] = []
+    for other in others:
+        rows += _with_holm([{by: value, "than": other, **_gap(difference(*pair, noise))}
+                            for value, pair in _pairs(episodes, by, other)])
+    table = pd.DataFrame(rows, columns=[by, "than", "gap", "low", "high", "p", "holm", "trainings"])
+    order = {value: place for place, value in enumerate(episodes[by].unique())}
+    return table.sort_values(by, key=lambda values: values.map(order), kind="stable", ignore_index=True)
+
+
+def gap_means(episodes: pd.DataFrame, by: str, others: tuple[str, ...] = ("static", "adc"),
+              known: TrainingNoise = UNKNOWN) -> pd.DataFrame:
+    """The mean over the values of `by` of MOVE minus each other method: other trainings and configurations of these.
+
+    A method that meets MOVE on fewer than two items has no row. Arguments as for `gap_table`.
+    """
+    noise = training_noise(episodes, [by, "method"], known)
+    rows: list[dict] = []
+    for other in others:
+        pairs = [pair for _, pair in _pairs(episodes, by, other)]
+        rows += [{"than": other, **_mean(pairs, noise)}] if len(pairs) > 1 else []
+    return pd.DataFrame(rows, columns=["than", "items", "gap", "low", "high", "p", "holm", "trainings"])
+
+
+def tasks_table(episodes: pd.DataFrame, others: tuple[str, ...] = ("static", "adc")) -> pd.DataFrame:
+    """MOVE against each other method with the task as the unit, one row a method: what other tasks might give.
+
+    Columns than, and those of `move.study.statistics.OverTasks`; a method that meets MOVE on fewer than three tasks
+    has no row.
+    """
+    rows = []
+    for other in others:
+        pairs = [pair for _, pair in _pairs(episodes, "task", other)]
+        rows += [{"than": other, **vars(over_tasks(pairs))}] if len(pairs) > 2 else []
+    return pd.DataFrame(rows)
+
+
+def _pairs(episodes: pd.DataFrame, by: str, other: str) -> list[tuple[object, Pair]]:
+    """For each value of `by` that has both: the successes of MOVE and of the other method."""
+    pairs = []
+    for value, group in episodes.groupby(by, sort=False):
+        per_method = {method: successes(part) for method, part in group.groupby("method")}
+        if "move" in per_method and other in per_method:
+            pairs.append((value, (per_method["move"], per_method[other])))
+    return pairs
+
+
+def reading_gap(episodes: pd.DataFrame, column: str, one: str, other: str) -> pd.Series:
+    """Mean over the tasks that have both of the rate of variant `one` minus that of `other`; empty where none has.
+
+    The variants are named in `column`. Entries items, gap, low, high, p, holm, trainings, as in `gap_means`.
+    """
+    noise, pairs = training_noise(episodes, ["task", column]), []
+    for _, group in episodes.groupby("task", sort=False):
+        cells = {name: successes(part) for name, part in group.groupby(column)}
+        pairs += [(cells[one], cells[other])] if {one, other} <= set(cells) else []
+    return pd.Series(_mean(pairs, noise) if pairs else {}, dtype=object)
+
+
+def length_matters(episodes: pd.DataFrame) -> pd.DataFrame:
+    """MOVE minus static at the longest training minus the same at the shortest: one row a task, and their mean.
+
+    Columns task ("mean of n" last), gap (that change), low, high, p, holm, trainings. The noise of trainings is pooled
+    over all cells; a difference of two methods has twice that of one.
+
+    Args:
+        episodes: of static and MOVE, with the label `length` of their experiment.
+    """
+    one = training_noise(episodes, ["task", "method", "length"])
+    noise = TrainingNoise(2 * one.variance, one.degrees)
+    pairs: dict[str, Pair] = {}
+    ends = (episodes.length.max(), episodes.length.min())
+    for task, group in episodes.groupby("task", sort=False):
+        cells = {key: successes(part) for key, part in group.groupby(["method", "length"])}
+        if all((method, length) in cells for method in ("static", "move") for length in ends):
+            late, early = (cells["move", length] - cells["static", length] for length in ends)
+            pairs[task] = late, early
+    rows = _with_holm([{"task": task, **_gap(difference(*pair, noise))} for task, pair in pairs.items()])
+    if len(pairs) > 1:
+        rows.append({"task": f"mean of {len(pairs)}", **_mean(list(pairs.values()), noise)})
+    return pd.DataFrame(rows, columns=["task", "gap", "low", "high", "p", "holm", "trainings"])
+
+
+def spoken_gap(row: pd.Series) -> str:
+    """A row of `gap_table` in words: "+12 points [+3, +21], above 0"; the word holds after Holm's adjustment."""
+    clear = row.holm < LEVEL
+    verdict = "not distinguishable from 0" if not clear else "above 0" if row.gap > 0 else "below 0"
+    return f"{100 * row.gap:+.0f} points [{100 * row.low:+.0f}, {100 * row.high:+.0f}], {verdict}"
+
+
+def spoken_gaps(table: pd.DataFrame, means: pd.DataFrame) -> str:
+    """A `gap_table` and its `gap_means` in words: on how many items MOVE is above each other method, and the mean."""
+    sentences = []
+    for other, each in table.groupby("than", sort=False):
+        clear, mean = each[each.holm < LEVEL], means[means.than == other]
+        above = (clear.gap > 0).sum()
+        sentences.append(
+            f"After Holm's adjustment MOVE is above {NAMES[other]} on {above} of {len(each)}, below it on "
+            f"{len(clear) - above}, and not distinguishable on {len(each) - len(clear)}"
+            + (f"; on the mean {spoken_gap(mean.iloc[0])}" if len(mean) else "") + "."
+        )
+    return " ".join(sentences) or "nothing is stored yet."
+
+
+def spoken_tasks(table: pd.DataFrame) -> str:
+    """A `tasks_table` in words: mean, interquartile mean, probability of improvement, and the test over tasks."""
+    return " ".join(
+        f"Over {row.tasks} tasks, taken as a sample of tasks, MOVE minus {NAMES[row.than]} is "
+        f"{100 * row.mean_difference:+.0f} points [{100 * row.low:+.0f}, {100 * row.high:+.0f}], of the interquartile "
+        f"means {100 * (row.iqm_first - row.iqm_second):+.0f} [{100 * row.iqm_low:+.0f}, {100 * row.iqm_high:+.0f}]; "
+        f"MOVE is better on a task drawn at random with probability {row.improvement:.2f} [{row.improvement_low:.2f}, "
+        f"{row.improvement_high:.2f}]; flipping the tasks' signs gives p = {row.p_value:.3f}."
+        for row in table.itertuples()) or "Fewer than three tasks are stored."
+
+
+def _gap(found: Estimate) -> dict[str, float | str]:
+    return {"gap": found.value, "low": found.low, "high": found.high, "p": found.p_value, "trainings": found.trainings}
+
+
+def _mean(pairs: list[Pair], noise: TrainingNoise) -> dict:
+    """What a row of `gap_means` says of the mean over pairs; it is one comparison, and Holm leaves it as it is."""
+    mean = mean_difference(pairs, noise)
+    return {"items": len(pairs), **_gap(mean), "holm": mean.p_value}
+
+
+def _with_holm(rows: list[dict]) -> list[dict]:
+    """The rows, which are as many comparisons of one table, with their p after Holm's adjustment."""
+    if not rows:
+        return []
+    return [{**row, "holm": value} for row, value in zip(rows, holm([row["p"] for row in rows]), strict=True)]
