@@ -205,7 +205,7 @@ def task_rates(table: pd.DataFrame, controls: pd.DataFrame, ax: Axes) -> None:
     ax.set(ylabel="success rate", ylim=(-0.03, 1.05))
 
 
-READINGS = {"as printed": "#999999", "mended": "#009E73", "periodic": "#CC79A7"}
+READINGS = {"as printed": "#999999", "mended": "#56B4E9", "periodic": "#CC79A7"}
 
 
 def readings(table: pd.DataFrame, column: str, ax: Axes) -> None:

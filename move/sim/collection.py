@@ -55,18 +55,12 @@ class Collection(BaseModel):
         default=None, description="the same of the camera; radians per step"
     )
 
-    @field_validator("task")
+    @field_validator("task", "factors")
     @classmethod
-    def _known_task(cls, name: str) -> str:
-        if name not in TASKS:
-            raise ValueError(f"allowed are {', '.join(TASKS)}")
-        return name
-
-    @field_validator("factors")
-    @classmethod
-    def _known_factors(cls, name: str) -> str:
-        if name not in FACTORS:
-            raise ValueError(f"allowed are {', '.join(FACTORS)}")
+    def _known(cls, name: str, info: ValidationInfo) -> str:
+        known = TASKS if info.field_name == "task" else FACTORS
+        if name not in known:
+            raise ValueError(f"allowed are {', '.join(known)}")
         return name
 
     @field_validator("shares", "moving", mode="before")

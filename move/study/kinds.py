@@ -22,7 +22,7 @@ from move.study.spec import RunSpec
 from move.study.validation import build
 
 CHOSEN: dict[str, dict[str, Any]] = {"adc": {"jumping": MENDED}}
-"""By method: how it collects wherever it is compared. ADC jumps as in the stronger of the readings in table_adc."""
+"""By method: how it collects wherever it is compared. ADC has all its jumps: table_adc compares the readings."""
 
 
 def policy_run(

@@ -221,7 +221,7 @@ def _training_variance(cell: np.ndarray) -> float:
 
 
 def _over_trainings(cell: np.ndarray, pooled: TrainingNoise) -> tuple[float, float, float]:
-    """Training variance of the cell's mean, degrees of freedom, and by how much chance made it larger or smaller."""
+    """Training variance of the cell's mean, its degrees of freedom, and by how much its estimate fell below 0."""
     if _has_own(cell):
         net = _training_variance(cell) / len(cell)
         return max(net, 0.0), len(cell) - 1, min(net, 0.0)

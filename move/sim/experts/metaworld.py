@@ -13,7 +13,6 @@ import math
 import numpy as np
 from metaworld.policies import ENV_POLICY_MAP
 
-from move.sim.configuration import Vector
 from move.sim.geometry import limited, turned, wrapped
 from move.sim.scene.scene import YAW_STEP, Scene
 from move.sim.tasks.task import Task
@@ -69,5 +68,4 @@ def _seen(point: np.ndarray, hand: np.ndarray, yaw: float) -> np.ndarray:
     """`point` (metres) turned by -`yaw` (radians) about `hand`."""
     if yaw == 0.0:
         return point
-    away: Vector = tuple((point - hand).tolist())
-    return hand + np.array(turned(away, -yaw))
+    return hand + np.array(turned(vector(point - hand), -yaw))

@@ -23,7 +23,7 @@ from typing import Protocol
 
 import numpy as np
 
-from move.sim.configuration import Vector
+from move.sim.configuration import Vector, vector
 from move.sim.geometry import limited, shifted, wrapped
 
 UNWIND_STEP = math.radians(3.0)  # radians the gripper turns a step while it brings a ring to its peg
@@ -68,7 +68,7 @@ Transport = Callable[[Grasped, TransportState], Waypoint]
 
 def read(scene: Grasped, name: str) -> Vector:
     """Position of a named point as three numbers (metres)."""
-    return tuple(scene.point(name).tolist())
+    return vector(scene.point(name))
 
 
 def straight(held: str) -> Transport:
