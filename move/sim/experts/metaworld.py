@@ -13,6 +13,7 @@ import math
 import numpy as np
 from metaworld.policies import ENV_POLICY_MAP
 
+from move.sim.configuration import vector
 from move.sim.geometry import limited, turned, wrapped
 from move.sim.scene.scene import YAW_STEP, Scene
 from move.sim.tasks.task import Task
