@@ -29,7 +29,7 @@ RATE_SHARE, DIFFERENCE_SHARE = 0.3, 1.3
 """One over the degrees of freedom of a sum is the sum over its parts of share ** this / degrees.
 
 Welch and Satterthwaite have 2, for which three seeds that agree by chance claim too much: a rate's interval then covers
-.91 where trainings differ by .2. These two values cover .93 to .97 in simulation, and the tests hold them to it.
+.91 where trainings differ by .2. These two values were chosen by simulation, and the tests hold them to .93 to .97.
 """
 
 
