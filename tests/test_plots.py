@@ -73,13 +73,38 @@ def test_scaling_draws_each_methods_line_through_its_points():
     assert len(ax.get_lines()) == len(ax.collections) == 3
 
 
-def test_lengths_draws_each_method_at_its_rates():
+@pytest.mark.parametrize("log", [False, True])
+def test_a_curve_draws_each_method_at_its_rates(log):
     table = pd.concat([rows(length=length) for length in (0.333, 1.0, 3.0)])
-    ax = draw(plots.lengths, table[table.method != "adc"])
+    ax = draw(lambda rows, ax: plots.curve(rows, "length", "gradient steps", ax, log), table[table.method != "adc"])
     drawn = {container.get_label(): (to_hex(container[0].get_color()), set(container[0].get_ydata()))
              for container in ax.containers}
     assert drawn == {NAME[name]: (COLOUR[name], {VALUE[name]}) for name in ("static", "move")}
     assert [label.get_text() for label in ax.get_xticklabels()] == ["0.33", "1", "3"]
+
+
+def test_the_papers_points_are_crosses_in_the_methods_colours():
+    ax = draw(plots.printed_points, rows(timesteps=20_000))
+    assert [(to_hex(line.get_color()), line.get_ydata()[0], line.get_label()) for line in ax.get_lines()] == [
+        (COLOUR[name], VALUE[name], f"{NAME[name]}, paper") for name in METHODS]
+
+
+def test_an_efficiency_that_static_does_not_reach_is_hollow_and_points_on():
+    table = pd.DataFrame([{"task": "push", "ratio": 1.5, "low": 1.2, "high": 1.8, "most": 2.0},
+                          {"task": "hammer", "ratio": np.inf, "low": 1.0, "high": np.inf, "most": 2.0}])
+    ax = draw(plots.efficiencies, table)
+    known, unknown = (container[0] for container in ax.containers)
+    assert (known.get_xdata()[0], known.get_markerfacecolor()) == (1.5, "black")
+    assert (unknown.get_xdata()[0], unknown.get_markerfacecolor()) == (2.0, "white")
+    assert [line.get_ydata()[0] for line in ax.get_lines() if line.get_marker() == ">"] == [1]
+
+
+def test_a_ladder_has_a_bar_in_the_methods_colour_for_everything_that_moves():
+    table = rows().iloc[[0, 2]].assign(moves=["nothing", "object + target"])
+    ax = draw(lambda rows, ax: plots.ladder(rows, "moves", ax), table)
+    assert [(to_hex(bar.get_facecolor()), bar.get_height()) for bar in ax.patches] == [
+        (COLOUR["static"], VALUE["static"]), (COLOUR["move"], VALUE["move"])]
+    assert [label.get_text() for label in ax.get_xticklabels()] == ["nothing", "object\n+ target"]
 
 
 def test_the_readings_of_one_method_have_colours_that_no_method_has():
@@ -153,5 +178,6 @@ def test_every_plot_of_methods_stands_in_this_file():
     public = {name for name, plot in vars(plots).items()
               if getattr(plot, "__module__", "") == plots.__name__ and not name.startswith("_")}
     assert public == {"rates", "grouped_rates", "gaps", "scaling", "task_rates", "own_and_elsewhere", "changes",
-                      "costs", "coverage", "lengths", "readings"} | {
-                          "heatmap", "grasps", "circle", "level", "picture", "coverages"}
+                      "costs", "coverage", "curve", "readings", "printed_points", "ladder"} | {
+                          "heatmap", "grasps", "circle", "level", "picture", "coverages",
+                          "efficiencies"}

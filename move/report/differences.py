@@ -34,7 +34,7 @@ def gap_table(episodes: pd.DataFrame, by: str, others: tuple[str, ...] = ("stati
     noise = training_noise(episodes, [by, "method"], known)
     rows: list[dict] = []
     for other in others:
-        rows += _with_holm([{by: value, "than": other, **_gap(difference(*pair, noise))}
+        rows += with_holm([{by: value, "than": other, **gap(difference(*pair, noise))}
                             for value, pair in _pairs(episodes, by, other)])
     table = pd.DataFrame(rows, columns=[by, "than", "gap", "low", "high", "p", "holm", "trainings"])
     order = {value: place for place, value in enumerate(episodes[by].unique())}
@@ -108,7 +108,7 @@ def length_matters(episodes: pd.DataFrame) -> pd.DataFrame:
         if all((method, length) in cells for method in ("static", "move") for length in ends):
             late, early = (cells["move", length] - cells["static", length] for length in ends)
             pairs[task] = late, early
-    rows = _with_holm([{"task": task, **_gap(difference(*pair, noise))} for task, pair in pairs.items()])
+    rows = with_holm([{"task": task, **gap(difference(*pair, noise))} for task, pair in pairs.items()])
     if len(pairs) > 1:
         rows.append({"task": f"mean of {len(pairs)}", **_mean(list(pairs.values()), noise)})
     return pd.DataFrame(rows, columns=["task", "gap", "low", "high", "p", "holm", "trainings"])
@@ -146,18 +146,19 @@ def spoken_tasks(table: pd.DataFrame) -> str:
         for row in table.itertuples()) or "Fewer than three tasks are stored."
 
 
-def _gap(found: Estimate) -> dict[str, float | str]:
+def gap(found: Estimate) -> dict[str, float | str]:
+    """A difference as columns: gap, low, high, p, trainings."""
     return {"gap": found.value, "low": found.low, "high": found.high, "p": found.p_value, "trainings": found.trainings}
 
 
 def _mean(pairs: list[Pair], noise: TrainingNoise) -> dict:
     """What a row of `gap_means` says of the mean over pairs; it is one comparison, and Holm leaves it as it is."""
     mean = mean_difference(pairs, noise)
-    return {"items": len(pairs), **_gap(mean), "holm": mean.p_value}
+    return {"items": len(pairs), **gap(mean), "holm": mean.p_value}
 
 
-def _with_holm(rows: list[dict]) -> list[dict]:
-    """The rows, which are as many comparisons of one table, with their p after Holm's adjustment."""
+def with_holm(rows: list[dict]) -> list[dict]:
+    """Rows with a p, as many comparisons of one table, and what p is after Holm's adjustment."""
     if not rows:
         return []
     return [{**row, "holm": value} for row, value in zip(rows, holm([row["p"] for row in rows]), strict=True)]

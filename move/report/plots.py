@@ -134,21 +134,77 @@ def scaling(table: pd.DataFrame, ax: Axes) -> None:
     ax.set(xlabel="timesteps of demonstrations", ylabel="success rate", ylim=(0, 1.02))
 
 
-def lengths(table: pd.DataFrame, ax: Axes) -> None:
-    """Success rate against how long one trains, one line a method, bars for the 95 % interval.
+def curve(table: pd.DataFrame, x: str, label: str, ax: Axes, log: bool = False) -> None:
+    """Success rate against column `x`, one line a method, bars for the 95 % interval.
 
     Args:
-        table: method, length (gradient steps over the recipe's), value, low, high.
+        table: method, `x` (numbers), value, low, high.
+        label: of the horizontal axis.
     """
-    for (method, rows), shift in zip(table.groupby("method", sort=False), (0.97, 1.03), strict=False):
-        rows = rows.sort_values("length")
-        ax.errorbar(rows.length * shift, rows.value, [rows.value - rows.low, rows.high - rows.value], fmt="o-", ms=3.5,
-                    lw=1.2, capsize=1.5, color=COLOURS[method], label=NAMES[method])
-    ticks = sorted(table.length.unique())
-    ax.set_xscale("log")
-    ax.set_xticks(ticks, [f"{tick:.2g}" for tick in ticks])
+    ticks = sorted(table[x].unique())
+    apart = 0.02 * (np.log(ticks[-1] / ticks[0]) if log else ticks[-1] - ticks[0])
+    methods = [name for name in COLOURS if name in set(table.method)]
+    for method, shift in zip(methods, apart * np.linspace(-0.5, 0.5, len(methods)), strict=True):
+        rows = table[table.method == method].sort_values(x)
+        places = rows[x] * np.exp(shift) if log else rows[x] + shift
+        ax.errorbar(places, rows.value, [rows.value - rows.low, rows.high - rows.value], fmt="o-", ms=3.5, lw=1.2,
+                    capsize=1.5, color=COLOURS[method], label=NAMES[method])
+    if log:
+        ax.set_xscale("log")
+    ax.set_xticks(ticks, [_short(tick) for tick in ticks])
     ax.minorticks_off()
-    ax.set(xlabel="gradient steps / the recipe's", ylabel="success rate", ylim=(-0.03, 1.03))
+    ax.set(xlabel=label, ylabel="success rate", ylim=(-0.03, 1.03))
+
+
+def _short(number: float) -> str:
+    return f"{number / 1000:g}k" if number >= 1000 else f"{number:.2g}"
+
+
+def printed_points(points: pd.DataFrame, ax: Axes) -> None:
+    """The paper's success at its own budgets, a cross in each method's colour.
+
+    Args:
+        points: method, timesteps, value.
+    """
+    for row in points.itertuples():
+        ax.plot(row.timesteps, row.value, "x", ms=4.5, mew=1.2, color=COLOURS[row.method],
+                label=f"{NAMES[row.method]}, paper")
+
+
+def efficiencies(table: pd.DataFrame, ax: Axes) -> None:
+    """How many times MOVE's timesteps static needs, one line a task; an arrow where static does not reach MOVE.
+
+    Args:
+        table: as `move.report.efficiency.efficiency_table` gives it.
+    """
+    for place, row in enumerate(table.itertuples()):
+        value, low, high = (min(number, row.most) for number in (row.ratio, row.low, row.high))
+        ax.errorbar(value, place, xerr=[[value - low], [high - value]], fmt="o", ms=3.5, lw=1, capsize=1.5,
+                    color="black", mfc="white" if row.ratio > row.most else "black")
+        if row.high > row.most:
+            ax.plot(row.most, place, ">", ms=4, color="black")
+    ax.axvline(1, color="black", lw=0.8)
+    ax.set_xscale("log", base=2)
+    ax.set_xticks([0.25, 0.5, 1, 2, 4], ["1/4", "1/2", "1", "2", "4"])
+    ax.set_yticks(range(len(table)), [TASKS[task].title for task in table.task])
+    ax.set_ylim(max(len(table), 1) - 0.5, -0.5)
+    ax.set_xlabel("static's timesteps / MOVE's, same success")
+
+
+def ladder(table: pd.DataFrame, by: str, ax: Axes) -> None:
+    """Success as one thing after the other moves, or alone: one bar a value of `by`, with interval and seeds.
+
+    Args:
+        table: `by`, method, value, low, high, seeds (list of single seeds' rates).
+    """
+    for place, row in enumerate(table.itertuples()):
+        alone = "alone" in getattr(row, by)
+        ax.bar(place, row.value, width=0.66, color=COLOURS[row.method], alpha=0.45 if alone else 0.85)
+        ax.errorbar(place, row.value, [[row.value - row.low], [row.high - row.value]], color="black", capsize=2, lw=0.9)
+        ax.scatter(np.full(len(row.seeds), place) + 0.2, row.seeds, s=8, color="white", edgecolor="black", lw=0.6,
+                   zorder=4)
+    ax.set_xticks(range(len(table)), [name.replace(" + ", "\n+ ") for name in table[by]], fontsize=7)
+    ax.set(ylabel="success rate", ylim=(0, 1.03))
 
 
 def coverages(table: pd.DataFrame, ax: Axes) -> None:

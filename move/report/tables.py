@@ -98,6 +98,21 @@ def grasp_points(results: list[Result]) -> pd.DataFrame:
     ])
 
 
+def demonstrations_made(results: list[Result], by: str) -> pd.DataFrame:
+    """How many demonstrations a data set has, one row a value of the label `by` and method: the mean of the seeds."""
+    rows = pd.DataFrame([{by: result.labels[by], "method": result.spec.method,
+                          "demonstrations": result.collection["demonstrations"],
+                          "timesteps": result.spec.collection.timesteps} for result in results if result.collection])
+    return rows.groupby([by, "method"], sort=False).mean().reset_index()
+
+
+def printed_success(tasks: list[str]) -> pd.DataFrame:
+    """The paper's success of table 2 at the budgets of its table 5: task, method, timesteps, value."""
+    budgets = paper.published("table5_data_sizes", "timesteps").set_index("task").value.rename("timesteps")
+    rates = paper.published("table2_main")[["task", "method", "value"]]
+    return rates[rates.task.isin(tasks)].join(budgets, on="task")
+
+
 def run_costs(results: list[Result]) -> pd.DataFrame:
     """Core-minutes of the runs' parts: one row a method and budget, the median run, and how many runs there are.
 

@@ -191,41 +191,58 @@ def collect(
 def _collect(
     collection: Collection, seed: int, on_step: Callable[[int], None]
 ) -> tuple[Demonstrations, CollectionRecord]:
-    """Collect by one method."""
-    started, episodes, tried, total, failed_in_a_row = time.perf_counter(), [], 0, 0, 0
+    """Collect by one method; each demonstration is copied once, to where it stays."""
+    started, kept, tried, failed_in_a_row = time.perf_counter(), _Kept(collection.timesteps), 0, 0
     for episode in attempts(collection, seed):
         tried += 1
         failed_in_a_row = 0 if episode.succeeded else failed_in_a_row + 1
         if episode.succeeded:
-            episodes.append(episode)
-            total += len(episode.actions)
-            on_step(min(total, collection.timesteps))
+            kept.add(episode)
+            on_step(min(kept.total, collection.timesteps))
         elif failed_in_a_row >= PATIENCE:
             raise BadInput(f"{collection.task}, {collection.method}: {PATIENCE} attempts in a row failed")
-        if total >= collection.timesteps:
+        if kept.total >= collection.timesteps:
             break
-    grasps = [episode.grasp for episode in episodes if episode.grasp]  # every kept demonstration has one
     record = CollectionRecord(
         attempts=tried,
-        demonstrations=len(episodes),
+        demonstrations=len(kept.starts),
         timesteps=collection.timesteps,
-        mean_steps=total / len(episodes),
-        generation_rate=len(episodes) / tried,
-        grasp_points=[grasp.object_position[:2] for grasp in grasps],
+        mean_steps=kept.total / len(kept.starts),
+        generation_rate=len(kept.starts) / tried,
+        grasp_points=[grasp.object_position[:2] for grasp in kept.grasps],
         seconds=time.perf_counter() - started,
-        starts=[episode.start for episode in episodes],
-        grasps=grasps,
-        jumps=[episode.jumps for episode in episodes],
+        starts=kept.starts,
+        grasps=kept.grasps,
+        jumps=kept.jumps,
     )
-    return _join(episodes, collection.timesteps), record
+    return Demonstrations(kept.observations, kept.actions, np.array(kept.ends, np.int64)), record
 
 
-def _join(episodes: list[Episode], budget: int) -> Demonstrations:
-    """Lay episodes end to end and cut the last one where the budget ends."""
-    ends = np.minimum(np.cumsum([len(episode.actions) for episode in episodes]), budget)
-    observations = np.stack([frame for episode in episodes for frame in episode.observations][:budget])
-    actions = np.stack([action for episode in episodes for action in episode.actions][:budget])
-    return Demonstrations(observations, actions, ends.astype(np.int64))
+class _Kept:
+    """Demonstrations end to end in arrays as large as the budget; the last one is cut where the budget ends."""
+
+    def __init__(self, budget: int) -> None:
+        self.budget, self.total = budget, 0
+        self.ends: list[int] = []
+        self.starts: list[SpatialConfiguration] = []
+        self.grasps: list[SpatialConfiguration] = []  # every kept demonstration has one
+        self.jumps: list[int] = []
+
+    def add(self, episode: Episode) -> None:
+        if not self.ends:
+            self.observations = self._room_for(episode.observations[0])
+            self.actions = self._room_for(episode.actions[0])
+        place = slice(self.total, min(self.total + len(episode.actions), self.budget))
+        self.observations[place] = episode.observations[: place.stop - place.start]
+        self.actions[place] = episode.actions[: place.stop - place.start]
+        self.total += len(episode.actions)
+        self.ends.append(place.stop)
+        self.starts.append(episode.start)
+        self.grasps += [episode.grasp] if episode.grasp else []
+        self.jumps.append(episode.jumps)
+
+    def _room_for(self, one: np.ndarray) -> np.ndarray:
+        return np.empty((self.budget, *one.shape), one.dtype)
 
 
 def _end_to_end(made: list[tuple[Demonstrations, CollectionRecord]]) -> tuple[Demonstrations, CollectionRecord]:

@@ -1,0 +1,56 @@
+"""Variants of one method against each other: what moves, how fast, how much of the data; as tables.
+
+Each table has the columns of `move.report.differences.gap_table`, with the variant, and the one that it is held against
+in the column `than`. Holm's adjustment is over the rows of one task (and of one part, for speeds).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+import pandas as pd
+
+from move.report.differences import gap, with_holm
+from move.report.tables import successes, training_noise
+from move.study.statistics import UNKNOWN, TrainingNoise, difference
+
+USUAL = {"object": 0.03, "target": 0.03, "camera": 1.0}
+"""The speeds used everywhere else: metres per step, and degrees per step of the camera."""
+
+
+def step_table(episodes: pd.DataFrame, noise: TrainingNoise = UNKNOWN) -> pd.DataFrame:
+    """Each rung of figure 6 against the one before, and each motion alone against nothing, task by task."""
+    rows = []
+    for task, group in episodes.groupby("task", sort=False):
+        rungs = [name for name in group.moves.unique() if "alone" not in name]
+        pairs = [*zip(rungs[1:], rungs, strict=False),
+                 *((name, "nothing") for name in group.moves.unique() if "alone" in name)]
+        rows += _compared(group, "moves", pairs, noise, {"task": task})
+    return pd.DataFrame(rows)
+
+
+def speed_table(episodes: pd.DataFrame, noise: TrainingNoise = UNKNOWN) -> pd.DataFrame:
+    """Each speed of figure 7 against the one used everywhere else, task by task and part by part."""
+    rows = []
+    for (task, part), group in episodes.groupby(["task", "part"], sort=False):
+        pairs = [(speed, USUAL[part]) for speed in sorted(group.speed.unique()) if speed != USUAL.get(part, speed)]
+        rows += _compared(group, "speed", pairs, noise, {"task": task, "part": part})
+    return pd.DataFrame(rows)
+
+
+def share_table(episodes: pd.DataFrame, noise: TrainingNoise = UNKNOWN) -> pd.DataFrame:
+    """Each share of MOVE against none."""
+    pairs = [(share, 0.0) for share in sorted(episodes.share.unique()) if share]
+    return pd.DataFrame(_compared(episodes, "share", pairs, noise, {}))
+
+
+def _compared(
+    episodes: pd.DataFrame, column: str, pairs: Iterable[tuple], known: TrainingNoise, named: dict
+) -> list[dict]:
+    """One row a pair of values of `column` that both are there; the first minus the second."""
+    cells: dict[object, np.ndarray] = {value: successes(rows) for value, rows in episodes.groupby(column)}
+    noise = training_noise(episodes, [column, "method"], known)
+    there = [pair for pair in pairs if set(pair) <= set(cells)]
+    return with_holm([{**named, column: one, "than": other, **gap(difference(cells[one], cells[other], noise))}
+                      for one, other in there])

@@ -1,0 +1,67 @@
+"""Data efficiency: a curve that is shifted by a factor says that factor, and what no curve reaches is not made up."""
+
+import numpy as np
+import pytest
+
+from move.study.data_efficiency import data_efficiency, needed
+from move.study.statistics import TrainingNoise
+
+BUDGETS = (5000, 10_000, 20_000, 40_000)
+
+
+def curve(rates, budgets=BUDGETS, configurations=100):
+    return {size: (np.arange(configurations) < round(rate * configurations))[None].astype(float)
+            for size, rate in zip(budgets, rates, strict=True)}
+
+
+def test_a_static_curve_that_is_twice_as_far_right_needs_twice_the_timesteps():
+    found = data_efficiency(curve((0.1, 0.2, 0.4, 0.6)), curve((0.2, 0.4, 0.6, 0.7)), 20_000)
+    assert found.ratio == pytest.approx(2)
+    assert found.low <= 2 + 1e-9 and found.high >= 2 - 1e-9
+
+
+def test_equal_curves_need_equal_timesteps():
+    same = curve((0.1, 0.2, 0.4, 0.6))
+    assert data_efficiency(same, same, 20_000).ratio == pytest.approx(1)
+
+
+def test_a_level_that_static_never_reaches_is_more_than_its_largest_budget():
+    found = data_efficiency(curve((0.1, 0.2, 0.3, 0.3)), curve((0.4, 0.5, 0.7, 0.8)), 20_000)
+    assert found.ratio == float("inf") and str(found).startswith("> 2 [")
+
+
+def test_a_level_that_static_has_from_the_start_is_at_most_its_smallest_budget():
+    found = data_efficiency(curve((0.6, 0.7, 0.8, 0.9)), curve((0.1, 0.2, 0.3, 0.4)), 20_000)
+    assert found.ratio == pytest.approx(0.25) and str(found).startswith("<= 0.25")
+
+
+def test_a_dip_of_a_curve_does_not_count_as_a_loss_of_success():
+    budgets, rates = np.array(BUDGETS), np.array([0.1, 0.5, 0.3, 0.8])
+    assert needed(budgets, rates, 0.39) < needed(budgets, rates, 0.41) <= 40_000
+    assert needed(budgets, rates, 0.4) == pytest.approx(10_000)  # of 0.5 and 0.3 the fit makes 0.4 twice
+
+
+def test_noise_of_trainings_widens_the_interval():
+    static, move = curve((0.1, 0.2, 0.4, 0.6)), curve((0.2, 0.3, 0.5, 0.7))
+    sure = data_efficiency(static, move, 20_000)
+    unsure = data_efficiency(static, move, 20_000, TrainingNoise(0.01, 20))
+    assert unsure.high - unsure.low > sure.high - sure.low
+
+
+def test_the_interval_covers_the_true_factor():
+    rng, covered = np.random.default_rng(1), 0
+    difficulty = rng.normal(0, 1.5, (60, 100))
+    for hard in difficulty:
+        def tried(size, shift, hard=hard):
+            chance = 1 / (1 + np.exp(-(np.log(size / 20_000) * 1.2 + shift + hard)))
+            return (rng.random(100) < chance)[None].astype(float)
+        static = {size: tried(size, 0.0) for size in BUDGETS}
+        move = {size: tried(size, 1.2 * np.log(1.6)) for size in BUDGETS}  # as good with 1.6 times fewer timesteps
+        found = data_efficiency(static, move, 20_000, draws=200)
+        covered += found.low <= 1.6 <= found.high
+    assert covered >= 0.88 * 60
+
+
+def test_one_budget_is_refused():
+    with pytest.raises(ValueError, match="two budgets or more"):
+        data_efficiency(curve((0.5,), (5000,)), curve((0.5,), (5000,)), 5000)

@@ -1,0 +1,110 @@
+"""Figures 4, 6 and 7 ask for what they say: growing budgets, one motion after the other, one speed at a time."""
+
+import math
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from move.report import efficiency, tables, variants
+from move.sim.collect import Collection, collect
+from move.sim.motion.wrappers import Motions
+from move.study import experiments
+from move.study.profiles import load_profile
+
+LAPTOP = load_profile("laptop")
+
+
+@pytest.mark.parametrize("method", ["static", "adc", "move"])
+def test_a_larger_budget_begins_with_the_smaller_ones_demonstrations(method):
+    small, large = (collect(Collection(task="pick-place", method=method, timesteps=size), seed=3)[0]
+                    for size in (150, 400))
+    whole = small.episode_ends[-2] if small.episodes > 1 else 0
+    assert (large.observations[:150] == small.observations).all() and (large.actions[:150] == small.actions).all()
+    assert large.timesteps == 400 and (small.episode_ends[:-1] <= 150).all() and whole < 150
+
+
+def test_a_collection_holds_its_frames_once(monkeypatch):
+    import tracemalloc
+
+    collection = Collection(task="window-open", method="static", timesteps=600, observation="rgb", image_size=96)
+    collect(collection.model_copy(update={"timesteps": 10}), 0)
+    tracemalloc.start()
+    made, _ = collect(collection, 0)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    one_demonstration = 200 * 96 * 96 * 3
+    assert made.observations.nbytes <= peak < made.observations.nbytes + 2 * one_demonstration
+
+
+def test_figure_4_has_table_2s_runs_and_the_pairs_that_the_paper_calls_equal():
+    runs = experiments.fig4_scaling(LAPTOP)
+    table = {spec.hash for spec in experiments.specs("table2_main", LAPTOP)
+             if spec.training and spec.observation == "rgb"}
+    assert table <= {run.spec.hash for run in runs}
+    asked = {(run.spec.task, run.spec.method, run.spec.collection.timesteps) for run in runs}
+    assert {("pick-place", "static", 50_000), ("pick-place", "move", 20_000), ("assembly", "static", 100_000),
+            ("assembly", "move", 50_000), ("pick-place-wall", "static", 100_000)} <= asked
+    assert {size for task, _, size in asked if task == "window-open"} == {2500, 5000, 10_000, 20_000}
+    assert len({run.spec.hash for run in runs}) == len(runs)
+
+
+def test_figure_6_adds_one_motion_after_the_other_and_ends_with_move():
+    runs = experiments.fig6_dimensions(LAPTOP, seeds=1)
+    moving = {(run.spec.task, run.labels["moves"]): run.spec.collection.moving for run in runs}
+    assert moving["pick-place", "object + target"] == ("object", "target")
+    assert moving["assembly", "object + target + camera"] == ("object", "target", "camera")
+    assert moving["pick-place", "camera alone"] == ("camera",)
+    whole = {run.spec.hash for run in experiments.table2_main(LAPTOP) if run.spec.method == "move"}
+    for task, last in (("pick-place", "object + target + camera"), ("assembly", "object + target + camera + rotation")):
+        assert {run.spec.hash for run in runs if (run.spec.task, run.labels["moves"]) == (task, last)} <= whole
+    assert all(run.spec.method == "static" for run in runs if run.labels["moves"] == "nothing")
+
+
+def test_figure_7_varies_one_speed_and_leaves_the_others():
+    runs = [run for run in experiments.fig7_speed(LAPTOP, seeds=1) if run.spec.method == "move"]
+    for run in runs:
+        used, usual = run.spec.collection.motions_used, Motions()
+        changed = {name for name in vars(usual) if not math.isclose(getattr(used, name), getattr(usual, name))}
+        part, speed = run.labels["part"], run.labels["speed"]
+        assert changed == (set() if speed == variants.USUAL[part] else {f"{part}_speed"})
+        shown = getattr(used, f"{part}_speed")
+        assert math.isclose(math.degrees(shown) if part == "camera" else shown, speed)
+
+
+def test_a_mixture_goes_from_static_to_move():
+    runs = experiments.fig_mixture(LAPTOP, seeds=1)
+    assert [run.spec.method for run in runs] == ["static", "mixture", "mixture", "mixture", "move"]
+    assert dict(runs[1].spec.collection.shares) == {"static": 0.75, "move": 0.25}
+
+
+def episodes(**rates) -> pd.DataFrame:
+    rows = [{"task": "pick-place", "moves": name.replace("_", " "), "method": "static" if name == "nothing" else "move",
+             "seed": seed, "trial": trial, "success": trial < 100 * rate}
+            for name, rate in rates.items() for seed in range(3) for trial in range(100)]
+    return pd.DataFrame(rows)
+
+
+def test_each_rung_is_held_against_the_one_before_and_each_motion_alone_against_nothing():
+    table = variants.step_table(episodes(nothing=0.2, object=0.3, both=0.7, camera_alone=0.5))
+    assert list(zip(table.moves, table.than, table.gap.round(3), strict=True)) == [
+        ("object", "nothing", 0.1), ("both", "object", 0.4), ("camera alone", "nothing", 0.3)]
+    assert (table.holm >= table.p).all()
+
+
+def test_an_efficiency_table_has_a_row_only_where_both_curves_are():
+    rows = [{"task": task, "method": method, "timesteps": size, "seed": 0, "trial": trial,
+             "success": trial < 100 * rate}
+            for task, method, size, rate in [("push", "static", 10_000, 0.2), ("push", "static", 20_000, 0.4),
+                                             ("push", "move", 10_000, 0.3), ("push", "move", 20_000, 0.4),
+                                             ("hammer", "static", 20_000, 0.5), ("hammer", "move", 20_000, 0.5)]
+            for trial in range(100)]
+    table = efficiency.efficiency_table(pd.DataFrame(rows), 20_000)
+    assert list(table.task) == ["push"] and np.isclose(table.ratio[0], 1)
+    assert "Push 1" in efficiency.spoken_efficiency(table)
+
+
+def test_the_papers_points_stand_at_the_papers_budgets():
+    printed = tables.printed_success(["box-close", "push"]).set_index(["task", "method"])
+    assert tuple(printed.loc[("box-close", "move")]) == (0.417, 100_000)
+    assert printed.loc[("push", "static"), "value"] == 0.163
