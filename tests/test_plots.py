@@ -180,4 +180,4 @@ def test_every_plot_of_methods_stands_in_this_file():
     assert public == {"rates", "grouped_rates", "gaps", "scaling", "task_rates", "own_and_elsewhere", "changes",
                       "costs", "coverage", "curve", "readings", "printed_points", "ladder"} | {
                           "heatmap", "grasps", "circle", "level", "picture", "coverages",
-                          "efficiencies"}
+                          "efficiencies", "verdicts"}

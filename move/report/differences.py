@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 
 from move.report.style import NAMES
-from move.report.tables import successes, training_noise
+from move.study.cells import successes, training_noise
 from move.study.statistics import (
     UNKNOWN,
     Estimate,

@@ -7,8 +7,8 @@ import pandas as pd
 
 from move.paper import published
 from move.report.differences import gap, spoken_gap
-from move.report.tables import successes, training_noise
 from move.sim.tasks import TASKS, get_task
+from move.study.cells import successes, training_noise
 from move.study.data_efficiency import Efficiency, data_efficiency
 from move.study.statistics import UNKNOWN, TrainingNoise, difference
 

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from move import paths
 from move.errors import BadInput
 from move.report import style
-from move.report.tables import training_noise
+from move.study.cells import training_noise
 from move.study.execute import execute
 from move.study.experiments import table2_main, table_keypoint_control
 from move.study.labels import LabelledRun

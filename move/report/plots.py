@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
@@ -353,3 +355,19 @@ def picture(frame: np.ndarray, title: str, ax: Axes) -> None:
     ax.imshow(frame)
     ax.set_title(title, loc="left")
     ax.axis("off")
+
+
+def verdicts(table: pd.DataFrame, order: Sequence[str], ax: Axes) -> None:
+    """How many claims have which verdict, one bar a verdict.
+
+    Args:
+        table: one row a claim with its `verdict`.
+        order: of the verdicts, from the top.
+    """
+    counts = table.verdict.value_counts().reindex(order, fill_value=0)
+    ax.barh(range(len(order)), counts, color="#777777", height=0.66)
+    for place, count in enumerate(counts):
+        ax.annotate(str(count), (count, place), xytext=(3, 0), textcoords="offset points", va="center", fontsize=7)
+    ax.set_yticks(range(len(order)), order)
+    ax.invert_yaxis()
+    ax.set_xlabel("claims of the paper")

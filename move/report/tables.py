@@ -14,20 +14,10 @@ from move.sim.collection import METHODS
 from move.sim.configuration import Disc
 from move.sim.tasks import TASKS
 from move.sim.tasks.task import acceptance_rate
+from move.study.cells import successes, training_noise
 from move.study.profiles import Profile
 from move.study.results import Result
-from move.study.statistics import UNKNOWN, TrainingNoise, difference, pooled_noise, success_rate
-
-
-def successes(episodes: pd.DataFrame) -> np.ndarray:
-    """The successes of one method as an array (seeds, configurations), in the order of the trials."""
-    return episodes.pivot(index="seed", columns="trial", values="success").to_numpy(dtype=float)
-
-
-def training_noise(episodes: pd.DataFrame, by: list[str], known: TrainingNoise = UNKNOWN) -> TrainingNoise:
-    """How much trainings vary, from the cells of `episodes` that have several seeds; `known` where none has."""
-    own = pooled_noise(successes(group) for _, group in episodes[episodes.method.isin(METHODS)].groupby(by))
-    return own if own.degrees else known
+from move.study.statistics import UNKNOWN, TrainingNoise, difference, success_rate
 
 
 def rate_table(episodes: pd.DataFrame, by: list[str], known: TrainingNoise = UNKNOWN) -> pd.DataFrame:

@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 
 from move.report.differences import gap, with_holm
-from move.report.tables import successes, training_noise
+from move.study.cells import successes, training_noise
 from move.study.statistics import UNKNOWN, TrainingNoise, difference
 
 USUAL = {"object": 0.03, "target": 0.03, "camera": 1.0}

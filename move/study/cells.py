@@ -1,0 +1,20 @@
+"""From a table of episodes to cells: the successes of one method in one condition, seeds by configurations."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+
+from move.sim.collection import METHODS
+from move.study.statistics import UNKNOWN, TrainingNoise, pooled_noise
+
+
+def successes(episodes: pd.DataFrame) -> np.ndarray:
+    """The successes of one method as an array (seeds, configurations), in the order of the trials."""
+    return episodes.pivot(index="seed", columns="trial", values="success").to_numpy(dtype=float)
+
+
+def training_noise(episodes: pd.DataFrame, by: list[str], known: TrainingNoise = UNKNOWN) -> TrainingNoise:
+    """How much trainings vary, from the cells of `episodes` that have several seeds; `known` where none has."""
+    own = pooled_noise(successes(group) for _, group in episodes[episodes.method.isin(METHODS)].groupby(by))
+    return own if own.degrees else known
