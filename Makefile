@@ -8,8 +8,11 @@ NOTEBOOKS := $(basename $(notdir $(wildcard notebooks/*.ipynb)))
 NUMBERED := $(filter fig% table1% table2% table3% table4% table5% table6%,$(NOTEBOOKS))
 SHORT := $(foreach name,$(NUMBERED),$(firstword $(subst _, ,$(name))))
 
+# whether the profile's results are those in git: its figures are drawn from them, and `make runs` computes the rest
+STORED_ONLY := $(if $(shell grep -l '^shipped: true' profiles/$(PROFILE).yaml 2>/dev/null),--stored-only)
+
 .DEFAULT_GOAL := help
-.PHONY: help setup figures test test-slow plan verify lab bench doctor lock clean fig8 $(NOTEBOOKS) $(SHORT)
+.PHONY: help setup figures runs test test-slow plan verify lab bench doctor lock clean fig8 $(NOTEBOOKS) $(SHORT)
 
 help:  ## print this list
 	@echo "usage: make TARGET [PROFILE=smoke|laptop|...] [CLUSTER=tcp://host:8786] [TORCH_INDEX=url]"
@@ -25,12 +28,15 @@ $(READY): environment.lock environment-cuda.lock pyproject.toml tools/install.py
 	@$(BIN)/python -c 'from move.machine import gl_problem as g; p = g(); p and print(p)'
 	@touch $@
 
-figures: $(READY)  ## run what is missing, then every notebook: all figures and tables
-	-$(BIN)/move run --profile $(PROFILE) $(CLUSTER_OPTION)  # what fails is shown as missing in its figure
-	$(BIN)/move figure --profile $(PROFILE)
+figures: $(READY)  ## every figure and table: laptop's from the stored results, other profiles' runs are computed first
+	$(if $(STORED_ONLY),,-$(BIN)/move run --profile $(PROFILE) $(CLUSTER_OPTION))  # what fails is shown as missing
+	$(BIN)/move figure --profile $(PROFILE) $(STORED_ONLY)
+
+runs: $(READY)  ## compute what is missing of the profile's results (make plan says how long)
+	$(BIN)/move run --profile $(PROFILE) $(CLUSTER_OPTION)
 
 $(NOTEBOOKS): $(READY)
-	$(BIN)/move figure $@ --profile $(PROFILE)
+	$(BIN)/move figure $@ --profile $(PROFILE) $(STORED_ONLY)
 
 define short_name
 $(firstword $(subst _, ,$(1))): $(1)

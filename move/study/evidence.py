@@ -22,8 +22,8 @@ from move.study.results import Result, split, table
 from move.study.statistics import Estimate, TrainingNoise, difference, mean_difference, success_rate
 
 Where = dict[str, Any]
-EPISODE_COLUMNS = ["run", "kind", "task", "method", "observation", "timesteps", "factors", "hand_spread", "seed", "trial",
-                   "group", "success", "steps", "object_x", "object_y"]
+EPISODE_COLUMNS = ["run", "kind", "task", "method", "observation", "timesteps", "factors", "hand_spread", "seed",
+                   "trial", "group", "success", "steps", "object_x", "object_y"]
 
 
 class Evidence:
