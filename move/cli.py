@@ -155,9 +155,9 @@ def train(
 @app.command()
 def evaluate(
     checkpoint: Annotated[Optional[Path], typer.Argument(help="folder that `move train` wrote")] = None,
-    player: Annotated[str, typer.Option(help="policy, nothing, random, expert or goal-blind")] = "policy",
+    agent: Annotated[str, typer.Option(help="policy, nothing, random, expert or goal-blind")] = "policy",
     task: Annotated[str, typer.Option(help="the task")] = "pick-place",
-    layout: Annotated[str, typer.Option(help="random or grid")] = "random",
+    starts: Annotated[str, typer.Option(help="random, moving or grid")] = "random",
     episodes: Annotated[int, typer.Option(help="number of random configurations")] = 100,
     factors: Annotated[str, typer.Option(help="what is random: object, object+target or all")] = "all",
     seed: Seed = 0,
@@ -170,25 +170,25 @@ def evaluate(
     from move.learn import agents
     from move.learn import evaluate as evaluating
     from move.learn.checkpoint import load_policy
+    from move.sim.observe import KEYPOINTS
     from move.sim.tasks import FACTORS, get_task
     from move.study.validation import build
 
     if factors not in FACTORS:
         raise BadInput(f"factors: {factors!r} given; allowed are {', '.join(FACTORS)}")
-    plan = build(evaluating.Evaluation, layout=layout, episodes=episodes, factors=factors)
-    if player not in ("policy", *agents.CONTROLS):
-        raise BadInput(f"player: {player!r} given; allowed are policy, {', '.join(agents.CONTROLS)}")
-    if player == "policy" and checkpoint is None:
+    plan = build(evaluating.Evaluation, starts=starts, episodes=episodes, factors=factors)
+    if agent not in ("policy", *agents.CONTROLS):
+        raise BadInput(f"agent: {agent!r} given; allowed are policy, {', '.join(agents.CONTROLS)}")
+    if agent == "policy" and checkpoint is None:
         raise BadInput("checkpoint: none given; a policy needs the folder that `move train` wrote")
-    policy = load_policy(checkpoint) if player == "policy" else None
-    who = agents.PolicyPlayer(policy, seed) if policy else agents.CONTROLS[player](seed)
-    image = policy is not None and len(policy.observation_shape) == 3
+    policy = load_policy(checkpoint) if checkpoint and agent == "policy" else None
+    who: agents.Agent = agents.PolicyAgent(policy, seed) if policy else agents.CONTROLS[agent](seed)
+    seen = policy.observation if policy else KEYPOINTS
     with progress("evaluate") as report:
-        rows = evaluating.evaluate(who, get_task(task), plan, "rgb" if image else "keypoints",
-                                   policy.observation_shape[0] if image else 96, report)
+        rows = evaluating.evaluate(who, get_task(task), plan, seen, report)
     rate = float(np.mean([row["success"] for row in rows]))
     low, high = wilson_interval(rate, len(rows))
-    content = {"player": player, "task": task, "episodes": len(rows), "success_rate": rate, "low": low,
+    content = {"agent": agent, "task": task, "episodes": len(rows), "success_rate": rate, "low": low,
                "high": high, "mean_steps": float(np.mean([row["steps"] for row in rows]))}
     show(content | ({"rows": rows} if as_json else {}), as_json, "Evaluation (95 % Wilson interval)")
 

@@ -40,9 +40,9 @@ def move(capsys, *arguments: str) -> tuple[int, str, str]:
     (("export", "nowhere.zarr", "out", "--format", "hdf5"), "format: 'hdf5' given; allowed are lerobot, zarr"),
     (("evaluate", "nowhere"), "no checkpoint in nowhere"),
     (("evaluate",), "checkpoint: none given"),
-    (("evaluate", "--player", "dog"), "player: 'dog' given; allowed are policy"),
-    (("evaluate", "--player", "nothing", "--episodes", "-1"), "episodes: -1 given"),
-    (("evaluate", "--player", "nothing", "--factors", "moon"), "factors: 'moon' given; allowed are object"),
+    (("evaluate", "--agent", "dog"), "agent: 'dog' given; allowed are policy"),
+    (("evaluate", "--agent", "nothing", "--episodes", "-1"), "episodes: -1 given"),
+    (("evaluate", "--agent", "nothing", "--factors", "moon"), "factors: 'moon' given; allowed are object"),
     (("run", "--profile", "moon"), "profile: 'moon' given; allowed are"),
     (("run", "--figure", "fig99"), "figure: 'fig99' given; allowed are fig1_sparse"),
     (("plan", "--profile", "moon"), "profile: 'moon' given"),
@@ -85,7 +85,7 @@ def test_collect_train_evaluate_by_hand(capsys, tmp_path):
     code, out, _ = move(capsys, "evaluate", policy, "--episodes", "3", "--json")
     evaluated = json.loads(out)
     assert code == 0 and len(evaluated["rows"]) == 3 and evaluated["low"] < evaluated["high"]
-    code, out, _ = move(capsys, "evaluate", "--player", "expert", "--episodes", "2")
+    code, out, _ = move(capsys, "evaluate", "--agent", "expert", "--episodes", "2")
     assert code == 0 and "success_rate" in out
 
 

@@ -14,7 +14,7 @@ from move.report import film
 from move.sim.collect import Collection, collect
 from move.sim.tasks import get_task
 from move.study import coverage
-from move.study.spec import RunSpec
+from move.study.spec import PolicyRun
 
 needs_gl = pytest.mark.skipif(gl_problem() is not None, reason="no GL library on this machine")
 TASK = get_task("pick-place")
@@ -87,7 +87,7 @@ def test_a_film_holds_the_whole_demonstration(tmp_path):
 def test_episodes_are_drawn_in_a_seeded_order_until_one_succeeds_and_one_fails(monkeypatch):
     plan = Collection(task="pick-place", method="static", timesteps=100)
     training = recipes.keypoints(gradient_steps=2, warmup_steps=1, batch_size=8)
-    spec = RunSpec(task="pick-place", seed=0, collection=plan, training=training, evaluation=Evaluation(episodes=6))
+    spec = PolicyRun(task="pick-place", seed=0, collection=plan, training=training, evaluation=Evaluation(episodes=6))
     policy, _ = train(collect(plan, 0)[0], training, 0)
     monkeypatch.setattr(rollout, "EPISODE_STEPS", 6)
     row, frames = film.episode_frames(policy, spec, 4, 32)

@@ -11,7 +11,7 @@ from pydantic import ValidationError
 
 from move.errors import BadInput
 from move.learn.denoisers import DENOISERS, ResidualMLP, UNet
-from move.learn.diffusion import DiffusionPolicy, Limits, crop, noise_schedule
+from move.learn.diffusion import DiffusionPolicy, MinMaxNormalizer, crop, noise_schedule
 from move.learn.encoders import ENCODERS, ResNet18, SmallCNN, SpatialSoftmax
 from move.learn.settings import Training
 from move.sim.demonstrations import Demonstrations
@@ -85,18 +85,18 @@ def test_every_setting_says_what_it_means():
 def squared_cosine_abar(steps: int) -> list[float]:
     """Product of 1 - beta over the squared-cosine schedule, written out."""
     level = [math.cos((i / steps + 0.008) / 1.008 * math.pi / 2) ** 2 for i in range(steps + 1)]
-    abar, product = [], 1.0
+    alpha_bar, product = [], 1.0
     for i in range(steps):
         product *= 1 - min(1 - level[i + 1] / level[i], 0.999)
-        abar.append(product)
-    return abar
+        alpha_bar.append(product)
+    return alpha_bar
 
 
 @pytest.mark.parametrize("target", ["sample", "noise"])
 @pytest.mark.parametrize("time", [90, 50, 0])
 def test_a_step_is_equation_5(target, time):
-    schedule, abar = noise_schedule(keypoint_settings(target=target)), squared_cosine_abar(100)
-    now, before = abar[time], abar[time - 10] if time else 1.0
+    schedule, alpha_bar = noise_schedule(keypoint_settings(target=target)), squared_cosine_abar(100)
+    now, before = alpha_bar[time], alpha_bar[time - 10] if time else 1.0
     clean = torch.rand((3, 4, 4), generator=generator(), dtype=torch.float64) - 0.5  # the clip does not act
     eps = torch.randn((3, 4, 4), generator=generator(1), dtype=torch.float64)
     x = math.sqrt(now) * clean + math.sqrt(1 - now) * eps
@@ -106,9 +106,9 @@ def test_a_step_is_equation_5(target, time):
 
 
 def test_noise_is_added_as_the_docstring_says():
-    schedule, abar = noise_schedule(keypoint_settings()), torch.tensor(squared_cosine_abar(100))
+    schedule, alpha_bar = noise_schedule(keypoint_settings()), torch.tensor(squared_cosine_abar(100))
     clean, noise = torch.randn((100, 4, 4), generator=generator()), torch.randn((100, 4, 4), generator=generator(1))
-    level = abar[:, None, None]
+    level = alpha_bar[:, None, None]
     noisy = schedule.add_noise(clean, noise, torch.arange(100))
     torch.testing.assert_close(noisy, level.sqrt() * clean + (1 - level).sqrt() * noise, rtol=0, atol=1e-5)
 
@@ -121,7 +121,7 @@ def test_acting_takes_ten_steps_down_to_zero():
 
 def test_limits_map_the_data_to_one_and_back():
     values = np.random.default_rng(0).normal(size=(50, 3)).astype(np.float32) * [1, 10, 0.1] + [5, 0, 0]
-    limits = Limits(3)
+    limits = MinMaxNormalizer(3)
     limits.fit(values.astype(np.float32))
     mapped = limits(torch.from_numpy(values.astype(np.float32)))
     torch.testing.assert_close(mapped.amin(0), -torch.ones(3), rtol=0, atol=1e-4)
@@ -132,19 +132,19 @@ def test_limits_map_the_data_to_one_and_back():
 def test_a_coordinate_that_never_changed_stays_moderate():
     values = np.full((50, 2), 0.3, np.float32)
     values[0, 1] += 1e-6
-    limits = Limits(2)
+    limits = MinMaxNormalizer(2)
     limits.fit(values)
     assert limits(torch.from_numpy(values)).abs().max() < 1e-5
     assert limits(torch.tensor([[0.8, 0.8]])).abs().max() <= 0.51
 
 
 def test_spatial_softmax_finds_a_bright_spot():
-    places = SpatialSoftmax(1, 1, height=5, width=9)
+    softmax = SpatialSoftmax(1, 1, height=5, width=9)
     with torch.no_grad():
-        places.pattern.weight.fill_(100)
+        softmax.keypoint_logits.weight.fill_(100)
         maps = torch.zeros(1, 1, 5, 9)
         maps[0, 0, 4, 2] = 1  # the lowest row, a quarter from the left
-        assert places(maps).tolist() == [[pytest.approx(-0.5), pytest.approx(1.0)]]
+        assert softmax(maps).tolist() == [[pytest.approx(-0.5), pytest.approx(1.0)]]
 
 
 @pytest.mark.parametrize("pixels", [16, 27, 88])
@@ -157,7 +157,8 @@ def test_small_cnn_takes_any_size(pixels):
 def test_resnet18_has_the_size_of_resnet18(pixels):
     encoder = ResNet18(image_settings(cnn_points=32), (pixels, pixels, 3))
     assert encoder(torch.randn(2, 3, pixels, pixels)).shape == (2, 64)
-    assert sum(weight.numel() for weight in encoder.maps.parameters()) == 11_176_512  # torchvision's, without its head
+    size = sum(weight.numel() for weight in encoder.backbone.parameters())
+    assert size == 11_176_512  # torchvision's, without its head
 
 
 @pytest.mark.parametrize("horizon, widths", [(4, (16, 32, 64)), (4, (16,)), (8, (16, 24, 32, 40)), (16, (8, 16))])
@@ -242,7 +243,7 @@ def test_limits_come_from_the_demonstrations():
     rng = np.random.default_rng(0)
     actions = rng.uniform(-0.2, 0.1, (40, 4)).astype(np.float32)
     made = policy(keypoint_settings(), (6,))
-    made.fit_limits(Demonstrations(rng.normal(size=(40, 6)).astype(np.float32), actions, np.array([40])))
+    made.fit_normalizers(Demonstrations(rng.normal(size=(40, 6)).astype(np.float32), actions, np.array([40])))
     executed = made.act(np.zeros((64, 2, 6), np.float32), generator())
     assert executed.min() >= actions.min() - 1e-5 and executed.max() <= actions.max() + 1e-5
 
@@ -291,7 +292,7 @@ def test_the_encoder_learns_from_the_newest_frames_alone_but_sees_all():
         one = policy(image_settings(learning_frames=learning), (32, 32, 3))
         loss = one.loss(observations, actions, generator())
         loss.backward()
-        return one.encoder.maps[0].weight.grad, loss.item()
+        return one.encoder.backbone[0].weight.grad, loss.item()
 
     observations, actions = windows(image_settings(), 3)
     black = observations.clone()

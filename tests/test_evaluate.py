@@ -5,8 +5,8 @@ import pytest
 import recipes
 from gymnasium.utils.seeding import np_random
 
-from move.learn.agents import PolicyPlayer
-from move.learn.evaluate import Evaluation, evaluate, trials
+from move.learn.agents import PolicyAgent
+from move.learn.evaluate import Evaluation, evaluate, starts
 from move.learn.train import train
 from move.sim.collect import Collection, attempt_seed, collect
 from move.sim.scene.scene import EPISODE_STEPS, SUCCESS_STEPS, Scene
@@ -38,7 +38,7 @@ class Recorder:
 def test_each_decision_sees_the_newest_timesteps_as_training_windows_do(horizon, action_steps):
     agent, evaluation = Recorder(horizon, action_steps), Evaluation(episodes=2)
     evaluate(agent, TASK, evaluation)
-    for episode, trial in enumerate(trials(TASK, evaluation)):
+    for episode, trial in enumerate(starts(TASK, evaluation)):
         scene = Scene(TASK, "keypoints")
         first, _ = scene.reset(options={"configuration": trial.configuration})
         frames = [first, *(scene.step(action)[0] for action in agent.script[:EPISODE_STEPS])]
@@ -55,7 +55,7 @@ def test_a_policy_of_any_observation_horizon_is_trained_and_evaluated(horizon):
     training = recipes.keypoints(gradient_steps=4, warmup_steps=1, batch_size=8, observation_horizon=horizon,
                                  prediction_horizon=horizon + 2)
     policy, _ = train(demonstrations, training, seed=0)
-    rows = evaluate(PolicyPlayer(policy, 0), TASK, Evaluation(episodes=2))
+    rows = evaluate(PolicyAgent(policy, 0), TASK, Evaluation(episodes=2))
     assert [row["steps"] for row in rows] == [EPISODE_STEPS] * 2
 
 
@@ -112,7 +112,7 @@ def test_the_scene_takes_an_action_beyond_its_limits_as_the_limit():
 @pytest.mark.parametrize("name", TASKS)
 def test_no_training_of_any_seed_starts_where_policies_are_tried(name):
     task = get_task(name)
-    tried = {trial.configuration for trial in trials(task, Evaluation(episodes=100))}
+    tried = {trial.configuration for trial in starts(task, Evaluation(episodes=100))}
     started = set()
     for seed in range(5):
         for attempt in range(250):  # more than any budget holds

@@ -10,7 +10,7 @@ import json
 import pytest
 
 from move.learn.agents import Expert
-from move.learn.evaluate import Evaluation, evaluate, trials
+from move.learn.evaluate import Evaluation, evaluate, starts
 from move.sim.collect import Collection, collect
 from move.sim.tasks import get_task
 
@@ -29,11 +29,11 @@ COLLECTED = {
     ("adc", "random", "object+target"): "f1d6e24da281ed0a",
 }
 TRIED = {
-    ("random", "none", "object"): "eb25aad946bf99a5",
-    ("random", "none", "object+target"): "aa769e5e11acbfee",
-    ("random", "none", "all"): "e70ed28e649fb7a1",
-    ("grid", "sparse", "all"): "12d16aee7432fedc",
-    ("grid", "circle", "all"): "04b090260dae0aeb",
+    ("random", "none", "object"): "c41af81bc7a885be",
+    ("random", "none", "object+target"): "cc9c64c3b412fb9e",
+    ("random", "none", "all"): "262502a0ce26f915",
+    ("grid", "sparse", "all"): "0d581baf4f800aaa",
+    ("grid", "circle", "all"): "e926838e59f6c0f2",
 }
 EVERY_TASK = {
     ("pick-place", "static"): "c1e396b858e8d321",
@@ -91,10 +91,11 @@ def test_data_sets_of_every_task_stay(task: str, method: str) -> None:
     assert found == EVERY_TASK[task, method]
 
 
-@pytest.mark.parametrize("layout, points, factors", TRIED)
-def test_trials_stay(layout: str, points: str, factors: str) -> None:
-    listed = trials(get_task("pick-place"), Evaluation(layout=layout, points=points, factors=factors))
-    assert digest(repr(listed).encode()) == TRIED[layout, points, factors]
+@pytest.mark.parametrize("chosen, points, factors", TRIED)
+def test_starts_stay(chosen: str, points: str, factors: str) -> None:
+    listed = starts(get_task("pick-place"), Evaluation(starts=chosen, points=points, factors=factors))
+    found = repr([(start.group, start.configuration) for start in listed])
+    assert digest(found.encode()) == TRIED[chosen, points, factors]
 
 
 def test_rows_stay() -> None:

@@ -4,17 +4,17 @@ import numpy as np
 import pytest
 
 from move.learn.agents import Expert, Nothing
-from move.learn.evaluate import Evaluation, evaluate, trials
+from move.learn.evaluate import Evaluation, evaluate, starts
 from move.sim.tasks import get_task
 
 TASK = get_task("pick-place")
 
 
-def paths(layout: str, factors: str = "all", together: int = 4) -> list[list]:
+def paths(chosen: str, factors: str = "all", batch_size: int = 4) -> list[list]:
     """The configuration after each step of four episodes in which nobody acts."""
     seen: list[list] = [[] for _ in range(4)]
-    evaluate(Nothing(), TASK, Evaluation(layout=layout, episodes=4, factors=factors), together=together,
-             watch=lambda number, scene: seen[number].append(scene.configuration))
+    evaluate(Nothing(), TASK, Evaluation(starts=chosen, episodes=4, factors=factors), batch_size=batch_size,
+             callback=lambda number, scene: seen[number].append(scene.configuration))
     return seen
 
 
@@ -25,11 +25,11 @@ def test_it_begins_where_table_2_begins_and_then_moves():
         gone = [np.hypot(*np.subtract(after.object_position, other[0].object_position)[:2]) for after in other]
         assert max(gone) > 0.005 and len({after.camera_angle for after in other}) > 100
         assert len({after.object_position for after in other}) <= TASK.object_steps + 1
-    assert trials(TASK, Evaluation(layout="moving"))[0].group == "moving"
+    assert starts(TASK, Evaluation(starts="moving"))[0].group == "moving"
 
 
 def test_an_episodes_motion_depends_on_its_number_alone():
-    assert paths("moving") == paths("moving", together=3)
+    assert paths("moving") == paths("moving", batch_size=3)
     first, second, *_ = paths("moving")
     assert first[-1].object_position != second[-1].object_position
 
@@ -42,5 +42,5 @@ def test_only_what_is_random_moves():
 
 @pytest.mark.parametrize("layout", ["random", "moving"])
 def test_the_expert_grasps_what_moves(layout):
-    rows = evaluate(Expert("phase"), TASK, Evaluation(layout=layout, episodes=20))
+    rows = evaluate(Expert("phase"), TASK, Evaluation(starts=layout, episodes=20))
     assert np.mean([row["success"] for row in rows]) >= 0.9 and {row["group"] for row in rows} == {layout}

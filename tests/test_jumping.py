@@ -11,7 +11,7 @@ from move.sim.collect import Collection, attempts, collect, collecting_env, requ
 from move.sim.motion.adc import JUMP_DISTANCE, MENDED, PERIODIC, Jumping
 from move.sim.tasks import TASKS, get_task
 from move.study.run import run
-from move.study.spec import RunSpec
+from move.study.spec import CollectionRun
 
 
 def plan(task: str = "pick-place", **changes) -> Collection:
@@ -128,7 +128,7 @@ def test_the_record_and_the_rows_of_attempts_hold_the_jumps(tmp_path):
     _, record = collect(plan(jumping=PERIODIC), seed=0)
     assert record.content()["jumps"] == [4] * record.demonstrations
     assert collect(plan(method="static", jumping=Jumping()), seed=0)[1].jumps[0] == 0
-    counted = [run(RunSpec(task="pick-place", seed=0, player="collector", collection=plan(jumping=jumping, timesteps=1),
+    counted = [run(CollectionRun(task="pick-place", seed=0, collection=plan(jumping=jumping, timesteps=1),
                            evaluation={"episodes": 2}), tmp_path).rows for jumping in (MENDED, Jumping())]
     assert [row["jumps"] for row in counted[0]] == [2, 2] and "jumps" not in counted[1][0]
 
@@ -139,7 +139,7 @@ def test_only_the_object_jumps_where_only_it_is_random():
 
 
 def test_the_default_does_not_enter_the_hash_and_the_mended_one_does():
-    specs = [RunSpec(task="pick-place", seed=0, player="collector", collection=collection)
+    specs = [CollectionRun(task="pick-place", seed=0, collection=collection)
              for collection in (Collection(task="pick-place", method="adc", timesteps=300), plan(jumping=Jumping()),
                                 plan(), plan(jumping=PERIODIC))]
     assert specs[0].hash == specs[1].hash and len({spec.hash for spec in specs}) == 3

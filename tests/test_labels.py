@@ -48,7 +48,7 @@ def test_a_setting_goes_to_the_part_of_the_run_that_has_it():
     (lambda: PUSH(budget=3), "no setting budget; allowed are task, "),
     (lambda: PUSH(batch_size=-1), "batch_size: -1 given; input should be greater than 0"),
     (lambda: PUSH(protocol="spiral"), "protocol: 'spiral' given"),
-    (lambda: control_run(task="push", player="dog"), "player: 'dog' given"),
+    (lambda: control_run(task="push", agent="dog"), "agent: 'dog' given"),
     (lambda: collector_run(SMOKE, task="push", method="move", attempts=0), "episodes: 0 given"),
     (lambda: experiments.fig1_sparse(profile="laptop"), "fig1_sparse: profile: 'laptop' given"),
 ])
@@ -59,8 +59,8 @@ def test_what_no_run_can_be_is_one_clear_line(make, message):
 
 
 def test_labels_are_neither_hashed_nor_stored_and_become_columns(tmp_path):
-    run = LabelledRun(control_run(task="push", player="expert"), {"colour": "red", "task": "push"})
-    assert run.spec.hash == control_run(task="push", player="expert").hash
+    run = LabelledRun(control_run(task="push", agent="expert"), {"colour": "red", "task": "push"})
+    assert run.spec.hash == control_run(task="push", agent="expert").hash
     rows = [{"trial": 0, "group": "random", "success": True}]
     results.store(results.Result(run.spec, rows, None, None, {}, {}, run.labels), tmp_path)
     again = results.load(run.spec, tmp_path)
@@ -107,7 +107,8 @@ def test_experiments_have_the_papers_methods_and_tasks_and_no_other(name):
     """So a method or a task that is added to the package adds no run to any of them."""
     for profile in map(load_profile, profiles.names()):
         specs = experiments.specs(name, profile)
-        assert {spec.method for spec in specs if spec.collection} <= set(paper.PAPER_METHODS)
+        methods = {method for spec in specs if spec.collection for method in spec.collection.methods}
+        assert methods <= set(paper.PAPER_METHODS)
         assert {spec.task for spec in specs} <= set(paper.PAPER_TASKS)
 
 
@@ -116,6 +117,6 @@ def test_a_new_experiment_needs_one_function(monkeypatch):
 
     @experiments.experiment
     def mine(profile: Profile, seeds: int = 2) -> list[LabelledRun]:
-        return grid(partial(control_run, task="push", player="random"), seed=range(seeds))
+        return grid(partial(control_run, task="push", agent="random"), seed=range(seeds))
 
     assert [run.labels["seed"] for run in experiments.runs("mine", SMOKE)] == [0, 1]

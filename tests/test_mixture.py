@@ -16,7 +16,7 @@ from move.study import run
 from move.study.kinds import policy_run
 from move.study.labels import grid
 from move.study.profiles import load_profile
-from move.study.spec import RunSpec
+from move.study.spec import CollectionRun, PolicyRun
 from move.study.validation import build
 
 HALF = {"static": 0.5, "move": 0.5}
@@ -92,7 +92,7 @@ def test_what_needs_one_method_refuses_a_mixture():
     with pytest.raises(BadInput, match="allowed here is each of its parts"):
         next(attempts(plan(), 0))
     with pytest.raises(BadInput, match="attempts of a mixture"):
-        build(RunSpec, task="pick-place", seed=0, player="collector", collection=plan())
+        build(CollectionRun, task="pick-place", seed=0, collection=plan())
 
 
 def test_shares_are_an_axis_like_any_other():
@@ -106,8 +106,8 @@ def test_shares_are_an_axis_like_any_other():
 
 def test_a_policy_learns_from_a_mixture_and_is_tried_at_configurations_of_each_part(tmp_path):
     training = recipes.keypoints(gradient_steps=3, warmup_steps=1, batch_size=8)
-    spec = RunSpec(task="pick-place", seed=0, collection=plan(), training=training,
-                   evaluation=Evaluation(layout="own", episodes=2))
+    spec = PolicyRun(task="pick-place", seed=0, collection=plan(), training=training,
+                   evaluation=Evaluation(starts="own", episodes=2))
     result = run.run(spec, tmp_path / "results", scratch=tmp_path / "runs")
     _, record = collect(plan(), 0)
     tried = [(row["object_x"], row["object_y"]) for row in result.rows]

@@ -14,7 +14,7 @@ from move.sim.collect import Collection  # noqa: E402
 from move.study.experiments import EXPERIMENTS, registry  # noqa: E402
 from move.study.profiles import load_profile  # noqa: E402
 from move.study.results import Result, table  # noqa: E402
-from move.study.spec import RunSpec  # noqa: E402
+from move.study.spec import ControlRun, PolicyRun  # noqa: E402
 
 SHOWN = {"rollouts": {"frames", "image_size", "seed"}}  # how a notebook shows its runs
 
@@ -42,7 +42,7 @@ def test_a_smoke_figure_says_so_across_itself_and_no_other_does(profile, stamped
 def result(method: str, seconds: dict[str, float]) -> Result:
     from recipes import keypoints
 
-    spec = RunSpec(task="push", seed=0, training=keypoints(),
+    spec = PolicyRun(task="push", seed=0, training=keypoints(),
                    collection=Collection(task="push", method=method, timesteps=500))
     return Result(spec, [], None, None, seconds, {})
 
@@ -60,8 +60,8 @@ def test_floors_and_ceilings_are_the_controls_and_not_the_policies():
     def rows(success):
         return [{"trial": trial, "group": "random", "success": success} for trial in range(4)]
 
-    controls = [Result(RunSpec(task="push", seed=0, player=player), rows(success), None, None, {}, {})
-                for player, success in (("expert", True), ("goal-blind", False))]
+    controls = [Result(ControlRun(task="push", seed=0, agent=agent), rows(success), None, None, {}, {})
+                for agent, success in (("expert", True), ("goal-blind", False))]
     policy = result("static", {})
     policies = [Result(policy.spec, rows(True), None, None, {}, {})]
     found = tables.floors_and_ceilings(table(controls + policies))

@@ -25,7 +25,7 @@ def kinds() -> dict[str, RunSpec]:
     found: dict[str, list[RunSpec]] = {}
     for figure in experiments.EXPERIMENTS:
         for spec in experiments.specs(figure, load_profile("paper")):
-            found.setdefault(f"{spec.player}-{spec.observation}-{protocol(spec)}", []).append(spec)
+            found.setdefault(f"{spec.agent}-{spec.observation}-{protocol(spec)}", []).append(spec)
     return {kind: specs[index % len(specs)] for index, (kind, specs) in enumerate(found.items())}
 
 
@@ -40,9 +40,9 @@ def cut(spec: RunSpec, batch_size: int = 8) -> RunSpec:
     return spec.model_copy(update=changes)
 
 
-def test_the_kinds_cover_every_player_and_protocol():
+def test_the_kinds_cover_every_agent_and_protocol():
     specs = kinds().values()
-    assert {spec.player for spec in specs} == {"policy", "collector", "nothing", "random", "expert", "goal-blind"}
+    assert {spec.agent for spec in specs} == {"policy", "collector", "nothing", "random", "expert", "goal-blind"}
     assert {protocol(spec) for spec in specs if spec.observation == "rgb"} == {"sparse", "dense", "circle", "random"}
     assert {spec.method for spec in specs if spec.training} >= {"static", "move"}
 

@@ -9,7 +9,7 @@ import real_writers as w
 from move.paper import TABLE3_REAL
 from move.realworld import check_dataset, checks_table, open_dataset, write_sample
 from move.realworld.checks import OUTCOMES
-from move.realworld.piper import LIMITS_RAD, flange_pose, flange_transform, reach
+from move.realworld.piper import LIMITS_RAD, flange_transform, forward_kinematics, reach
 from move.realworld.sample import SIZE
 from move.realworld.tracking import object_places, object_speeds, seen_share
 from move.realworld.workspace import equal_budget
@@ -104,7 +104,8 @@ def test_mean_length_of_the_paper(sample):
 
 def test_flange_at_zero_is_the_makers():
     """The maker's controller shows (56.1, 0, 213.3) mm and 85 degrees when all joints are zero."""
-    np.testing.assert_allclose(flange_pose(np.zeros((1, 6)))[0], [0.0561, 0, 0.2133, 0, np.deg2rad(85), 0], atol=1e-4)
+    at_zero = forward_kinematics(np.zeros((1, 6)))[0]
+    np.testing.assert_allclose(at_zero, [0.0561, 0, 0.2133, 0, np.deg2rad(85), 0], atol=1e-4)
 
 
 def test_transforms_are_rigid_and_turn_with_the_base():
@@ -113,7 +114,7 @@ def test_transforms_are_rigid_and_turn_with_the_base():
     turn = flange_transform(joints)[:, :3, :3]
     np.testing.assert_allclose(turn @ np.swapaxes(turn, 1, 2), np.tile(np.eye(3), (20, 1, 1)), atol=1e-12)
     turned = joints + [0.3, 0, 0, 0, 0, 0]
-    here, there = flange_pose(joints), flange_pose(turned)
+    here, there = forward_kinematics(joints), forward_kinematics(turned)
     np.testing.assert_allclose(np.hypot(here[:, 0], here[:, 1]), np.hypot(there[:, 0], there[:, 1]), atol=1e-12)
     np.testing.assert_allclose(here[:, 2], there[:, 2], atol=1e-12)
 
@@ -121,7 +122,7 @@ def test_transforms_are_rigid_and_turn_with_the_base():
 def test_reach_gets_there_within_the_limits():
     points = np.array([[0.25, 0.0, 0.26], [0.3, 0.3, 0.15], [0.1, -0.4, 0.2], [0.5, 0.1, 0.15]])
     joints = reach(points)
-    np.testing.assert_allclose(flange_pose(joints)[:, :3], points, atol=0.01)
+    np.testing.assert_allclose(forward_kinematics(joints)[:, :3], points, atol=0.01)
     assert (joints >= LIMITS_RAD[:, 0]).all() and (joints <= LIMITS_RAD[:, 1]).all()
 
 

@@ -64,10 +64,10 @@ def test_power_without_a_difference_stays_below_the_level():
 
 
 def test_smallest_detectable_is_just_enough():
-    rise = t.smallest_detectable(7 / 30)
+    rise = t.minimum_detectable_effect(7 / 30)
     assert t.power(7 / 30, 7 / 30 + rise) >= 0.8 > t.power(7 / 30, 7 / 30 + rise - 0.005)
-    assert np.isnan(t.smallest_detectable(0.95)), "a rise beyond 1 cannot be found"
-    assert t.smallest_detectable(7 / 30, trials=100) < rise
+    assert np.isnan(t.minimum_detectable_effect(0.95)), "a rise beyond 1 cannot be found"
+    assert t.minimum_detectable_effect(7 / 30, trials=100) < rise
 
 
 def test_power_table_columns():

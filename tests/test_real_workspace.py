@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from move.realworld import tracking, workspace
 from move.realworld.episode import RobotEpisode
 from move.realworld.frames import Frames
-from move.realworld.piper import flange_pose
+from move.realworld.piper import forward_kinematics
 from move.realworld.trials import real_table
 from move.report import real_figures, real_plots, style, tables
 
@@ -83,7 +83,7 @@ def test_positions_come_from_six_joints_first():
 
     joints = np.tile([0.2, 1.5, -1.5, 0.0, 0.5, 0.0], (4, 1))
     both = dataclasses.replace(episode(np.full((4, 2), 9.0)), joints=joints)
-    np.testing.assert_allclose(workspace.positions(both), flange_pose(joints)[:, :3])
+    np.testing.assert_allclose(workspace.positions(both), forward_kinematics(joints)[:, :3])
     seven = dataclasses.replace(both, joints=np.zeros((4, 7)))
     assert workspace.positions(seven)[0, 0] == 9, "not a PIPER: the recorded pose is taken"
 

@@ -19,7 +19,7 @@ from move.sim.tasks import TASKS  # noqa: E402
 from move.study import experiments, results, statistics  # noqa: E402
 from move.study.labels import LabelledRun  # noqa: E402
 from move.study.profiles import load_profile  # noqa: E402
-from move.study.spec import RunSpec  # noqa: E402
+from move.study.spec import CollectionRun  # noqa: E402
 
 
 def episodes(rates: dict[str, float], seeds: int = 3, trials: int = 16) -> pd.DataFrame:
@@ -100,7 +100,7 @@ def test_a_saved_figure_is_the_same_file_every_time(tmp_path):
 
 def collector(method: str, outcomes: list[tuple[bool, int]]) -> results.Result:
     collection = Collection(task="hammer", method=method, timesteps=1)
-    spec = RunSpec(task="hammer", seed=0, player="collector", collection=collection)
+    spec = CollectionRun(task="hammer", seed=0, collection=collection)
     rows = [{"trial": number, "group": "attempt", "success": success, "steps": steps}
             for number, (success, steps) in enumerate(outcomes)]
     return results.Result(spec, rows, None, None, {}, {})

@@ -11,7 +11,7 @@ from move.sim.collect import Collection, attempts, collect
 from move.sim.grasp_points import grasp_point
 from move.sim.scene.scene import Scene
 from move.sim.tasks import get_task
-from move.study.spec import RunSpec
+from move.study.spec import CollectionRun
 
 TASK = get_task("pick-place")
 SPREAD = 0.03  # metres
@@ -83,10 +83,10 @@ def test_methods_share_starts_and_keep_their_grasp_points(protocol):
 
 
 def test_starts_alike_do_not_enter_the_hash():
-    hashes = [RunSpec(task="pick-place", seed=0, player="collector", collection=collection).hash
+    hashes = [CollectionRun(task="pick-place", seed=0, collection=collection).hash
               for collection in (plan(hand_spread=0.0), plan(), plan(hand_spread=0.05))]
     without = {name: value for name, value in plan(hand_spread=0.0).model_dump().items() if name != "hand_spread"}
-    old = RunSpec(task="pick-place", seed=0, player="collector", collection=without).hash
+    old = CollectionRun(task="pick-place", seed=0, collection=without).hash
     assert old == hashes[0] and len(set(hashes)) == 3
 
 

@@ -12,8 +12,8 @@ from pydantic import ValidationError
 
 from move import paper, paths
 from move.errors import BadInput
-from move.learn.agents import Expert, Nothing, PolicyPlayer, Random
-from move.learn.evaluate import Evaluation, evaluate, trials
+from move.learn.agents import Expert, Nothing, PolicyAgent, Random
+from move.learn.evaluate import Evaluation, evaluate, starts
 from move.learn.train import train
 from move.report import notebooks, page
 from move.sim.collect import Collection, collect
@@ -24,15 +24,15 @@ from move.sim.tasks import get_task
 from move.study import execute, experiments, policies, profiles, results, run
 from move.study.plan import TRIAL_MINUTES, plan_rows
 from move.study.profiles import load_profile
-from move.study.spec import RunSpec
+from move.study.spec import PolicyRun, run_spec_from_json
 
 TASK = get_task("pick-place")
 TINY = recipes.keypoints(gradient_steps=5, warmup_steps=1, batch_size=8)
 
 
-def tiny_spec(**changes) -> RunSpec:
+def tiny_spec(**changes) -> PolicyRun:
     collection = Collection(task="pick-place", method=changes.pop("method", "static"), timesteps=100)
-    return RunSpec(**{"task": "pick-place", "seed": 0, "collection": collection, "training": TINY,
+    return PolicyRun(**{"task": "pick-place", "seed": 0, "collection": collection, "training": TINY,
                       "evaluation": Evaluation(episodes=2), **changes})
 
 
@@ -61,34 +61,39 @@ def test_the_hash_names_the_run():
 
 def test_the_hash_survives_a_round_trip_through_json():
     spec = tiny_spec()
-    assert RunSpec.model_validate_json(spec.model_dump_json()) == spec
-    assert RunSpec.model_validate_json(spec.model_dump_json()).hash == spec.hash
+    assert run_spec_from_json(spec.model_dump_json()) == spec
+    assert run_spec_from_json(spec.model_dump_json()).hash == spec.hash
 
 
 def test_a_field_left_at_its_default_does_not_enter_the_hash():
-    assert tiny_spec(player="policy").hash == tiny_spec().hash
+    assert tiny_spec(agent="policy").hash == tiny_spec().hash
 
 
-@pytest.mark.parametrize("wrong", [{"player": "expert"}, {"training": None}, {"task": "push"}, {"seed": -1},
+@pytest.mark.parametrize("wrong", [{"agent": "expert"}, {"training": None}, {"task": "push"}, {"seed": -1},
                                    {"sed": 1}])
 def test_impossible_specs_are_refused(wrong):
     with pytest.raises(ValidationError):
         tiny_spec(**wrong)
 
 
+OF_THE_METHOD = ("method", "jumping", "shares", "moving", "object_speed", "target_speed", "camera_speed")
+METHOD_AXES = ("method", "jumping", "share", "moves", "part", "speed")  # labels that say how data are collected
+
+
 def test_methods_of_a_figure_differ_in_nothing_but_the_method():
-    for name in experiments.EXPERIMENTS:
+    for name in set(experiments.EXPERIMENTS) - {"equal_demonstrations"}:  # whose budgets differ, which is its question
         for profile in map(load_profile, profiles.names()):
             groups: dict[str, set[str]] = {}
-            for spec in experiments.specs(name, profile):
-                if spec.collection:
-                    rest = spec.model_dump(mode="json")
-                    method = rest["collection"].pop("method")
-                    jumping = rest["collection"].pop("jumping")  # the others have none
-                    usual = MENDED if method == "adc" else Jumping()
-                    assert name == "table_adc" or jumping == usual.model_dump()
-                    groups.setdefault(json.dumps(rest, sort_keys=True), set()).add(method)
-            assert len({frozenset(methods) for methods in groups.values()}) <= 1  # 0 where a profile has no such runs
+            for asked_for in experiments.runs(name, profile):
+                if asked_for.spec.collection:
+                    rest = asked_for.spec.model_dump(mode="json")
+                    chosen = {field: rest["collection"].pop(field) for field in OF_THE_METHOD}
+                    usual = MENDED if "adc" in asked_for.spec.collection.methods else Jumping()
+                    assert name == "table_adc" or chosen["jumping"] == usual.model_dump()
+                    same = {axis: label for axis, label in asked_for.labels.items() if axis not in METHOD_AXES}
+                    asked = json.dumps([same, rest["evaluation"], asked_for.spec.observation], sort_keys=True)
+                    groups.setdefault(asked, set()).add(json.dumps(rest, sort_keys=True))
+            assert {len(rests) for rests in groups.values()} <= {1}, name  # none where a profile has no such runs
 
 
 # results -------------------------------------------------------------------------------------------------------------
@@ -230,7 +235,7 @@ def test_a_damaged_checkpoint_is_not_gone_on_from(tmp_path, stored):
 
 
 def test_runs_that_differ_in_their_evaluation_share_a_training(tmp_path, stored, monkeypatch):
-    spec = stored[0].spec.model_copy(update={"evaluation": Evaluation(layout="own", episodes=1)})
+    spec = stored[0].spec.model_copy(update={"evaluation": Evaluation(starts="own", episodes=1)})
     alone = run.run(spec, tmp_path / "alone", scratch=tmp_path / "elsewhere")
     monkeypatch.setattr("move.learn.train.Trainer.take_step", lambda self: 1 / 0)
     shared = run.run(spec, tmp_path / "shared")
@@ -326,7 +331,7 @@ def test_the_plan_counts_a_shared_training_once(tmp_path, monkeypatch):
 
 
 def test_evaluation_configurations_are_fixed_and_no_training_uses_them():
-    first, again = (trials(TASK, Evaluation(episodes=50)) for _ in range(2))
+    first, again = (starts(TASK, Evaluation(episodes=50)) for _ in range(2))
     assert first == again
     tried = {trial.configuration.object_position for trial in first}
     trained = {TASK.sample(np.random.default_rng(seed)).object_position for seed in range(200)}
@@ -334,7 +339,7 @@ def test_evaluation_configurations_are_fixed_and_no_training_uses_them():
 
 
 def test_the_grid_covers_the_object_range_evenly():
-    listed = trials(TASK, Evaluation(layout="grid", grid_side=12, points="sparse"))
+    listed = starts(TASK, Evaluation(starts="grid", grid_side=12, points="sparse"))
     grid = [trial.configuration for trial in listed if trial.group == "grid"]
     assert len(grid) == 144 and len(listed) == 153
     assert {configuration.target_position for configuration in grid} == {TASK.fixed.target_position}
@@ -344,8 +349,8 @@ def test_the_grid_covers_the_object_range_evenly():
 
 def test_controls_mark_the_floor_and_the_ceiling():
     plan = Evaluation(episodes=12)
-    for player in (Nothing(), Random(0)):
-        rows = evaluate(player, TASK, plan)
+    for agent in (Nothing(), Random(0)):
+        rows = evaluate(agent, TASK, plan)
         assert not any(row["success"] for row in rows) and all(row["steps"] == 200 for row in rows)
     rows = evaluate(Expert("phase"), TASK, plan)
     assert all(row["success"] and row["success_steps"] == 10 and row["steps"] < 200 for row in rows)
@@ -354,17 +359,17 @@ def test_controls_mark_the_floor_and_the_ceiling():
 def test_an_episode_does_not_depend_on_which_others_run_beside_it():
     demonstrations, _ = collect(Collection(task="pick-place", method="static", timesteps=100), 0)
     policy, _ = train(demonstrations, TINY, 0)
-    together = evaluate(PolicyPlayer(policy, 0), TASK, Evaluation(episodes=4))
+    together = evaluate(PolicyAgent(policy, 0), TASK, Evaluation(episodes=4))
     assert [row["trial"] for row in together] == [0, 1, 2, 3]
-    assert together == evaluate(PolicyPlayer(policy, 0), TASK, Evaluation(episodes=4))
-    assert isinstance(trials(TASK, Evaluation())[0].configuration, SpatialConfiguration)
+    assert together == evaluate(PolicyAgent(policy, 0), TASK, Evaluation(episodes=4))
+    assert isinstance(starts(TASK, Evaluation())[0].configuration, SpatialConfiguration)
 
 
 def test_watching_some_episodes_shows_what_all_together_did():
     watched = []
     rows = evaluate(Expert("phase"), TASK, Evaluation(episodes=5))
-    some = evaluate(Expert("phase"), TASK, Evaluation(episodes=5), only={1, 4},
-                    watch=lambda number, scene: watched.append((number, scene.steps)))
+    some = evaluate(Expert("phase"), TASK, Evaluation(episodes=5), indices={1, 4},
+                    callback=lambda number, scene: watched.append((number, scene.steps)))
     assert some == [rows[1], rows[4]]
     for number in (1, 4):
         assert [steps for n, steps in watched if n == number] == list(range(rows[number]["steps"] + 1))
@@ -374,12 +379,12 @@ def test_a_policys_own_configurations_are_those_it_learnt_from():
     collection = Collection(task="pick-place", method="static", timesteps=400)
     demonstrations, record = collect(collection, seed=5)
     own = record.starts
-    starts = np.concatenate([[0], demonstrations.episode_ends[:-1]])
-    for configuration, start in zip(own, starts, strict=True):
+    first = np.concatenate([[0], demonstrations.episode_ends[:-1]])
+    for configuration, start in zip(own, first, strict=True):
         scene = Scene(TASK, "keypoints")
         scene.reset(options={"configuration": configuration})
         assert np.array_equal(scene.observe(), demonstrations.observations[start])
-    assert [trial.configuration for trial in trials(TASK, Evaluation(layout="own"), own)] == own
+    assert [trial.configuration for trial in starts(TASK, Evaluation(starts="own"), own)] == own
 
 
 def test_an_attempt_that_was_discarded_is_no_configuration_that_a_policy_learnt_from():
@@ -401,7 +406,7 @@ def test_at_the_grasp_the_object_has_gone_where_the_method_takes_it(method):
 
 def test_rows_hold_the_whole_configuration_that_was_tried():
     evaluation = Evaluation(episodes=3)
-    for row, trial in zip(evaluate(Nothing(), TASK, evaluation), trials(TASK, evaluation), strict=True):
+    for row, trial in zip(evaluate(Nothing(), TASK, evaluation), starts(TASK, evaluation), strict=True):
         tried = trial.configuration
         assert [row[f"hand_{axis}"] for axis in "xyz"] == list(tried.hand_position)
         assert [row[f"target_{axis}"] for axis in "xyz"] == list(tried.target_position)
@@ -435,7 +440,7 @@ def test_table_1_shares_its_last_setting_with_table_2():
 
 def test_the_recipe_is_judged_by_static_alone_where_it_learnt_one_change_at_a_time():
     specs = experiments.specs("table_recipe", load_profile("laptop"))
-    assert {spec.method for spec in specs} == {"static"} and {spec.evaluation.layout for spec in specs} == {"own"}
+    assert {spec.method for spec in specs} == {"static"} and {spec.evaluation.starts for spec in specs} == {"own"}
     runs = experiments.runs("table_recipe", load_profile("laptop"))
     assert [run.spec for run in runs] == specs
     for budget in (7000, 20_000):
@@ -454,7 +459,7 @@ def test_the_recipe_that_is_judged_is_the_one_of_the_figures():
 def test_generalization_tries_the_policies_of_table_2_at_their_own_grasps_and_in_motion():
     profile = load_profile("laptop")
     specs = [run.spec for run in experiments.generalization(profile)]
-    elsewhere, own, moving = ([spec for spec in specs if spec.evaluation.layout == layout]
+    elsewhere, own, moving = ([spec for spec in specs if spec.evaluation.starts == layout]
                               for layout in ("random", "grasp", "moving"))
     table_2 = [spec for spec in experiments.specs("table2_main", profile) if spec.observation == "rgb"]
     policies = {spec.policy_hash for spec in table_2}
@@ -487,11 +492,14 @@ def test_each_method_has_the_same_budgets_seeds_and_hand_starts(figure):
     assert {spread for *_, spread in design("move")} == {experiments.HAND_SPREAD, 0.0}
 
 
+PIXELS_ALONE = ("fig4_scaling", "fig6_dimensions", "fig7_speed", "fig_mixture", "equal_demonstrations")
+
+
 def test_a_profile_leaves_the_notebooks_out_that_have_nothing_to_show_in_it():
     assert set(notebooks.of_profile(load_profile("laptop"))) == set(notebooks.names())
     assert set(notebooks.names()) - set(notebooks.of_profile(load_profile("paper"))) == {"table_recipe"}
     left_out = set(notebooks.names()) - set(notebooks.of_profile(load_profile("laptop-keypoints")))
-    assert left_out == {"table_recipe", "generalization", "fig_training_length"}
+    assert left_out == {"table_recipe", "generalization", "fig_training_length", *PIXELS_ALONE}
     with pytest.raises(BadInput, match="profile paper: has no runs of this figure"):
         page.gather([], load_profile("paper"))
 
@@ -506,7 +514,7 @@ def test_a_shipped_policy_is_the_one_that_was_evaluated(stored, tmp_path, monkey
     policies.ship(result.spec, load_profile("laptop"))
     monkeypatch.setattr(policies.paths, "RUNS", tmp_path / "nothing")
     policy = policies.trained_policy(result.spec, load_profile("laptop"))
-    assert evaluate(PolicyPlayer(policy, result.spec.seed), TASK, result.spec.evaluation) == result.rows
+    assert evaluate(PolicyAgent(policy, result.spec.seed), TASK, result.spec.evaluation) == result.rows
 
 
 def test_a_policy_that_is_not_there_is_one_clear_line(tmp_path, monkeypatch):

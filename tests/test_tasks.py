@@ -13,7 +13,7 @@ from metaworld.env_dict import ALL_V3_ENVIRONMENTS
 import move  # noqa: F401, registers the scenes
 from move.errors import BadInput
 from move.learn.agents import Expert, GoalBlind, Nothing
-from move.learn.evaluate import Evaluation, evaluate, trials
+from move.learn.evaluate import Evaluation, evaluate, starts
 from move.paper import PAPER_METHODS
 from move.sim.collect import Collection, collect, collecting_env, demonstrate
 from move.sim.experts.phase import make_expert
@@ -89,7 +89,7 @@ def test_success_agrees_with_metaworld(task):
 
 def test_no_success_at_reset_or_by_doing_nothing(task):
     scene = Scene(task)
-    for trial in trials(task, EARLY):
+    for trial in starts(task, EARLY):
         _, info = scene.reset(options={"configuration": trial.configuration})
         assert not info["success"] and not task.success(scene)
     assert sum(row["success"] for row in evaluate(Nothing(), task, EARLY)) == 0

@@ -10,7 +10,7 @@ import recipes
 
 import move.sim
 from move.learn.agents import Nothing
-from move.learn.evaluate import Evaluation, evaluate, trials
+from move.learn.evaluate import Evaluation, evaluate, starts
 from move.sim.collect import Collection, collect
 from move.sim.configuration import Box
 from move.sim.scene.scene import Scene
@@ -20,7 +20,7 @@ from move.sim.tasks.success import near
 from move.sim.tasks.task import GraspParameters, MovableBody, Task
 from move.sim.tasks.transport import Grasped, TransportState, Waypoint, read
 from move.study.run import run
-from move.study.spec import RunSpec
+from move.study.spec import PolicyRun
 
 
 def backwards(scene: Grasped, state: TransportState) -> Waypoint:
@@ -91,18 +91,18 @@ def test_every_method_and_both_experts_demonstrate_a_new_task(toy, method, exper
 def test_an_agent_solves_a_new_task_from_keypoints(toy):
     made, record = collect(plan(), seed=1)
     whole = record.starts[:-1]  # the last demonstration is cut
-    rows = evaluate(Nearest(made), toy, Evaluation(layout="own"), own=whole)
+    rows = evaluate(Nearest(made), toy, Evaluation(starts="own"), own=whole)
     assert len(rows) == len(whole) >= 4 and all(row["success"] for row in rows)
-    assert not any(row["success"] for row in evaluate(Nothing(), toy, Evaluation(layout="own"), own=whole))
+    assert not any(row["success"] for row in evaluate(Nothing(), toy, Evaluation(starts="own"), own=whole))
 
 
 def test_a_policy_of_the_package_is_trained_and_tried_on_a_new_task(toy, tmp_path):
     training = recipes.keypoints(gradient_steps=4, warmup_steps=1, batch_size=8, mlp_width=16, mlp_depth=1)
     evaluation = Evaluation(episodes=2)
-    spec = RunSpec(task=toy.name, seed=0, player="policy", collection=plan(method="move", timesteps=200),
+    spec = PolicyRun(task=toy.name, seed=0, collection=plan(method="move", timesteps=200),
                    training=training, evaluation=evaluation)
     rows = run(spec, tmp_path / "results", scratch=tmp_path / "runs").rows
-    wanted = [trial.configuration.object_position[0] for trial in trials(toy, evaluation)]
+    wanted = [trial.configuration.object_position[0] for trial in starts(toy, evaluation)]
     assert [row["object_x"] for row in rows] == pytest.approx(wanted)
 
 

@@ -13,13 +13,13 @@ from move.learn.evaluate import Evaluation
 from move.sim.collect import Collection
 from move.study import results, run, verify
 from move.study.profiles import load_profile
-from move.study.spec import RunSpec
+from move.study.spec import PolicyRun
 
 TINY = recipes.keypoints(gradient_steps=3, warmup_steps=1, batch_size=8)
 
 
-def spec(seed: int = 0, observation: str = "keypoints") -> RunSpec:
-    return RunSpec(task="pick-place", seed=seed, training=TINY, evaluation=Evaluation(episodes=3),
+def spec(seed: int = 0, observation: str = "keypoints") -> PolicyRun:
+    return PolicyRun(task="pick-place", seed=seed, training=TINY, evaluation=Evaluation(episodes=3),
                    collection=Collection(task="pick-place", method="static", timesteps=100, observation=observation))
 
 

@@ -21,7 +21,7 @@ from metaworld.policies import ENV_POLICY_MAP  # noqa: E402
 from rich.console import Console  # noqa: E402
 from rich.table import Table  # noqa: E402
 
-from move.learn.agents import PolicyPlayer  # noqa: E402
+from move.learn.agents import PolicyAgent  # noqa: E402
 from move.learn.evaluate import Evaluation, evaluate  # noqa: E402
 from move.learn.train import train  # noqa: E402
 from move.machine import gl_problem, gl_renderer, keep_freed_memory, peak_memory_mb, processor  # noqa: E402
@@ -116,8 +116,8 @@ def bench_keypoint_run() -> None:
     made: dict[str, object] = {}
     took = seconds(lambda: made.update(data=collect(Collection(task=TASK, method="move", timesteps=2500), 0)[0]))
     trained = seconds(lambda: made.update(policy=train(made["data"], recipe, 0)[0]))
-    batched = seconds(lambda: evaluate(PolicyPlayer(made["policy"], 0), task, Evaluation()))
-    single = seconds(lambda: evaluate(PolicyPlayer(made["policy"], 0), task, Evaluation(episodes=20), together=1)) * 5
+    batched = seconds(lambda: evaluate(PolicyAgent(made["policy"], 0), task, Evaluation()))
+    single = seconds(lambda: evaluate(PolicyAgent(made["policy"], 0), task, Evaluation(episodes=20), batch_size=1)) * 5
     report("keypoint run, 2,500 timesteps", f"{took + trained + batched:.1f} s",
            f"{took:.1f} + {trained:.1f} + {batched:.1f} s", None, "<= 40 s")
     report("batched evaluation, 100 episodes", f"{batched:.1f} s", f"{single:.1f} s one at a time", single / batched,
@@ -142,8 +142,8 @@ def bench_image_training() -> None:
     report(f"image gradient step, {recipe.batch_size} windows x {recipe.noise_draws}", f"{step * 1e3:.0f} ms", "", None,
            "")
     policy, _ = train(made["data"], recipe.model_copy(update={"gradient_steps": 30, "warmup_steps": 10}), 0)
-    small = Evaluation(layout="grid", grid_side=5, factors="object")
-    tried = seconds(lambda: evaluate(PolicyPlayer(policy, 0), get_task(TASK), small, "rgb")) / 25
+    small = Evaluation(starts="grid", grid_side=5, factors="object")
+    tried = seconds(lambda: evaluate(PolicyAgent(policy, 0), get_task(TASK), small, policy.observation)) / 25
     for frames, episodes, wanted in ((7_000, 153, "<= 5"), (20_000, 100, "<= 10")):
         parts = (drawn * frames, step * profile.recipe("rgb", frames).gradient_steps, tried * episodes)
         report(f"image run of {frames:,} frames", f"{sum(parts) / 60:.1f} core-min",

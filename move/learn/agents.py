@@ -1,6 +1,6 @@
 """What acts in an evaluation: a policy, or one of the controls between which policies are read.
 
-    PolicyPlayer    a diffusion policy
+    PolicyAgent    a diffusion policy
     Nothing         never moves
     Random          acts uniformly at random
     Expert          the ceiling: a scripted expert
@@ -21,10 +21,10 @@ from move.sim.experts.phase import Expert as ScriptedExpert
 from move.sim.experts.phase import make_expert
 from move.sim.scene.scene import Scene
 
-PLAY_STREAM = 3  # first word of the seed of a player's own randomness
+AGENT_STREAM = 3  # first word of the seed of a agent's own randomness
 
 
-class Player(Protocol):
+class Agent(Protocol):
     """Whatever acts in an evaluation: a policy or a control.
 
     `action_steps` actions are executed before it is asked again, by the last `observation_horizon` observations; 0 is
@@ -48,21 +48,22 @@ class Player(Protocol):
         """
 
 
-class PolicyPlayer:
+class PolicyAgent:
     """A diffusion policy; an episode's noise does not depend on which others are still running."""
 
     def __init__(self, policy: DiffusionPolicy, seed: int) -> None:
         self.policy, self.settings = policy, policy.training_settings
         self.action_steps = self.settings.action_horizon
         self.observation_horizon = self.settings.observation_horizon
-        self.generator = torch.Generator().manual_seed(_play_seed(seed))
+        self.generator = torch.Generator().manual_seed(_agent_seed(seed))
 
     def start(self, scenes: list[Scene]) -> None:
         """Remember how many episodes there are."""
-        self.shape = (len(scenes), self.settings.prediction_horizon, scenes[0].action_space.shape[0])
+        self.shape = (len(scenes), self.settings.prediction_horizon, scenes[0].task.action_size)
 
-    def act(self, running: list[int], scenes: list[Scene], observations: np.ndarray) -> np.ndarray:
+    def act(self, running: list[int], scenes: list[Scene], observations: np.ndarray | None) -> np.ndarray:
         """Denoise the actions of all running episodes in one batch."""
+        assert observations is not None, "a policy has an observation horizon of 1 or more"
         noise = torch.randn(self.shape, generator=self.generator)[running]
         return self.policy.act(observations, noise=noise)
 
@@ -75,9 +76,9 @@ class Nothing:
     def start(self, scenes: list[Scene]) -> None:
         """Nothing to do."""
 
-    def act(self, running: list[int], scenes: list[Scene], observations: None) -> np.ndarray:
+    def act(self, running: list[int], scenes: list[Scene], observations: np.ndarray | None) -> np.ndarray:
         """Zeros."""
-        return np.zeros((len(running), 1, scenes[0].action_space.shape[0]), np.float32)
+        return np.zeros((len(running), 1, scenes[0].task.action_size), np.float32)
 
 
 class Random:
@@ -86,13 +87,13 @@ class Random:
     action_steps, observation_horizon = 1, 0
 
     def __init__(self, seed: int) -> None:
-        self.rng = np.random.default_rng(_play_seed(seed))
+        self.rng = np.random.default_rng(_agent_seed(seed))
 
     def start(self, scenes: list[Scene]) -> None:
         """Remember how many episodes there are."""
-        self.shape = (len(scenes), 1, scenes[0].action_space.shape[0])
+        self.shape = (len(scenes), 1, scenes[0].task.action_size)
 
-    def act(self, running: list[int], scenes: list[Scene], observations: None) -> np.ndarray:
+    def act(self, running: list[int], scenes: list[Scene], observations: np.ndarray | None) -> np.ndarray:
         """Uniform actions in [-1, 1]."""
         return self.rng.uniform(-1, 1, self.shape).astype(np.float32)[running]
 
@@ -109,7 +110,7 @@ class Expert:
         """Call one expert for each episode."""
         self.experts = [make_expert(self.name, scene.task) for scene in scenes]
 
-    def act(self, running: list[int], scenes: list[Scene], observations: None) -> np.ndarray:
+    def act(self, running: list[int], scenes: list[Scene], observations: np.ndarray | None) -> np.ndarray:
         """What the experts would do."""
         return np.stack([self.experts[number].action(scenes[number])[None] for number in running])
 
@@ -130,7 +131,7 @@ class GoalBlind(Expert):
             raise BadInput(f"goal-blind: {scenes[0].task.name} has no target; allowed are tasks with one")
         super().start(scenes)
 
-    def act(self, running: list[int], scenes: list[Scene], observations: None) -> np.ndarray:
+    def act(self, running: list[int], scenes: list[Scene], observations: np.ndarray | None) -> np.ndarray:
         """What the experts would do if the target were in the middle."""
         return np.stack([self._mistaken(self.experts[number], scenes[number])[None] for number in running])
 
@@ -140,14 +141,14 @@ class GoalBlind(Expert):
             return expert.action(scene)
 
 
-CONTROLS: dict[str, Callable[[int], Player]] = {
+CONTROLS: dict[str, Callable[[int], Agent]] = {
     "nothing": lambda seed: Nothing(),
     "random": Random,
     "expert": lambda seed: Expert("phase"),
     "goal-blind": lambda seed: GoalBlind(),
 }
-"""Every player that is no policy, made from a seed."""
+"""Every agent that is no policy, made from a seed."""
 
 
-def _play_seed(seed: int) -> int:
-    return int(np.random.SeedSequence([PLAY_STREAM, seed]).generate_state(1)[0])
+def _agent_seed(seed: int) -> int:
+    return int(np.random.SeedSequence([AGENT_STREAM, seed]).generate_state(1)[0])

@@ -137,6 +137,8 @@ def _actions(actions: np.ndarray, clip: bool) -> np.ndarray:
 
 def _read(group: zarr.Group, name: str) -> np.ndarray:
     array = group[name]
+    if not isinstance(array, zarr.Array):
+        raise BadInput(f"{name} is a group; an array is needed")
     if array.nchunks_initialized != array.nchunks:  # zarr itself would fill the gap with zeros
         raise BadInput(f"{name} has {array.nchunks_initialized} of its {array.nchunks} chunks")
-    return array[:]
+    return np.asarray(array[:])

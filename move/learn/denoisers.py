@@ -20,6 +20,8 @@ TIME_FEATURES = 64
 class TimeFeatures(nn.Module):
     """Sines and cosines of the diffusion time: (B,) int64 -> (B, TIME_FEATURES), looked up in a table."""
 
+    table: Tensor
+
     def __init__(self, diffusion_steps: int) -> None:
         super().__init__()
         half = TIME_FEATURES // 2
@@ -38,18 +40,18 @@ class ResidualMLP(nn.Module):
         super().__init__()
         size, width = training.prediction_horizon * action_size, training.mlp_width
         self.time = TimeFeatures(training.diffusion_steps)
-        self.enter = nn.Linear(size + condition_size + TIME_FEATURES, width)
+        self.input_projection = nn.Linear(size + condition_size + TIME_FEATURES, width)
         self.blocks = nn.ModuleList(
             nn.Sequential(nn.LayerNorm(width), nn.Linear(width, 2 * width), nn.SiLU(), nn.Linear(2 * width, width))
             for _ in range(training.mlp_depth)
         )
-        self.leave = nn.Sequential(nn.LayerNorm(width), nn.Linear(width, size))
+        self.output_projection = nn.Sequential(nn.LayerNorm(width), nn.Linear(width, size))
 
     def forward(self, noisy: Tensor, time: Tensor, condition: Tensor) -> Tensor:
-        stream = self.enter(torch.cat([noisy.flatten(1), condition, self.time(time)], -1))
+        stream = self.input_projection(torch.cat([noisy.flatten(1), condition, self.time(time)], -1))
         for block in self.blocks:
             stream = stream + block(stream)
-        return self.leave(stream).view_as(noisy)
+        return self.output_projection(stream).view_as(noisy)
 
 
 def convolution(channels: int, wider: int) -> nn.Sequential:
@@ -64,14 +66,14 @@ class FilmBlock(nn.Module):
         super().__init__()
         self.first, self.second = convolution(channels, wider), convolution(wider, wider)
         self.film = nn.Sequential(nn.SiLU(), nn.Linear(condition_size, 2 * wider))
-        self.short = nn.Conv1d(channels, wider, 1) if channels != wider else nn.Identity()
+        self.shortcut = nn.Conv1d(channels, wider, 1) if channels != wider else nn.Identity()
 
     def forward(self, x: Tensor, condition: Tensor) -> Tensor:
         scale, shift = self.film(condition)[..., None].chunk(2, dim=1)
-        return self.second(scale * self.first(x) + shift) + self.short(x)
+        return self.second(scale * self.first(x) + shift) + self.shortcut(x)
 
 
-class Pair(nn.Module):
+class FilmPair(nn.Module):
     """Two FiLM blocks, the first of which changes the width."""
 
     def __init__(self, channels: int, wider: int, condition_size: int) -> None:
@@ -93,23 +95,23 @@ class UNet(nn.Module):
             TimeFeatures(training.diffusion_steps),
             nn.Linear(TIME_FEATURES, 16 * TIME_FEATURES), nn.SiLU(), nn.Linear(16 * TIME_FEATURES, 4 * TIME_FEATURES),
         )
-        self.down = nn.ModuleList(Pair(a, b, size) for a, b in zip((action_size, *widths), widths, strict=False))
-        self.coarser = nn.ModuleList(nn.Conv1d(w, w, 3, stride=2, padding=1) for w in widths[:-1])
-        self.middle = Pair(widths[-1], widths[-1], size)
-        self.up = nn.ModuleList(Pair(2 * b, a, size) for a, b in zip(widths, widths[1:], strict=False))
-        self.finer = nn.ModuleList(nn.ConvTranspose1d(w, w, 4, stride=2, padding=1) for w in widths[:-1])
-        self.leave = nn.Sequential(convolution(widths[0], widths[0]), nn.Conv1d(widths[0], action_size, 1))
+        self.down = nn.ModuleList(FilmPair(a, b, size) for a, b in zip((action_size, *widths), widths, strict=False))
+        self.downsample = nn.ModuleList(nn.Conv1d(w, w, 3, stride=2, padding=1) for w in widths[:-1])
+        self.middle = FilmPair(widths[-1], widths[-1], size)
+        self.up = nn.ModuleList(FilmPair(2 * b, a, size) for a, b in zip(widths, widths[1:], strict=False))
+        self.upsample = nn.ModuleList(nn.ConvTranspose1d(w, w, 4, stride=2, padding=1) for w in widths[:-1])
+        self.output_projection = nn.Sequential(convolution(widths[0], widths[0]), nn.Conv1d(widths[0], action_size, 1))
 
     def forward(self, noisy: Tensor, time: Tensor, condition: Tensor) -> Tensor:
         condition = torch.cat([self.time(time), condition], -1)
         x, skips = noisy.transpose(1, 2), []
         for i, down in enumerate(self.down):
-            x = down(x if i == 0 else self.coarser[i - 1](x), condition)
+            x = down(x if i == 0 else self.downsample[i - 1](x), condition)
             skips.append(x)
         x = self.middle(x, condition)
         for i in reversed(range(len(self.up))):
-            x = self.finer[i](self.up[i](torch.cat([x, skips[i + 1]], 1), condition))
-        return self.leave(x).transpose(1, 2)
+            x = self.upsample[i](self.up[i](torch.cat([x, skips[i + 1]], 1), condition))
+        return self.output_projection(x).transpose(1, 2)
 
 
 DENOISERS: dict[str, Callable[[Training, int, int], nn.Module]] = {

@@ -1,6 +1,6 @@
 """The Diffusion Policy: from two observations to three actions by denoising.
 
-Training adds noise of a random strength t to the actions that the expert took (abar falls from 1 to 0 with t),
+Training adds noise of a random strength t to the actions that the expert took (alpha_bar falls from 1 to 0 with t),
 
     noisy = sqrt(abar_t) * actions + sqrt(1 - abar_t) * noise
 
@@ -11,10 +11,12 @@ equation 5); the two targets take the same step, since either follows from the o
     x_{t-1} = sqrt(abar_{t-1}) * (x_t - sqrt(1 - abar_t) * eps) / sqrt(abar_t) + sqrt(1 - abar_{t-1}) * eps
 """
 
+from typing import cast
+
 import numpy as np
 import torch
-from diffusers.schedulers.scheduling_ddim import DDIMScheduler
-from torch import Tensor, nn
+from diffusers.schedulers.scheduling_ddim import DDIMScheduler, DDIMSchedulerOutput
+from torch import IntTensor, Tensor, nn
 from torch.nn import functional as F
 
 from move.errors import BadInput
@@ -22,6 +24,7 @@ from move.learn.denoisers import DENOISERS
 from move.learn.encoders import ENCODERS
 from move.learn.settings import Training
 from move.sim.demonstrations import Demonstrations
+from move.sim.observe import KEYPOINTS, ObservationSpec
 
 PREDICTION_TYPE = {"sample": "sample", "noise": "epsilon"}
 CONSTANT_BELOW = 1e-3  # metres, or units of action: less than that in all the data is no movement
@@ -39,11 +42,14 @@ def noise_schedule(training: Training) -> DDIMScheduler:
     return schedule
 
 
-class Limits(nn.Module):
+class MinMaxNormalizer(nn.Module):
     """Maps each coordinate from its limits in the training data to [-1, 1], and back with `inverse`.
 
     A coordinate that never changed is centred and keeps its unit, so that a new value stays a moderate number.
     """
+
+    scale: Tensor
+    offset: Tensor
 
     def __init__(self, size: int) -> None:
         super().__init__()
@@ -99,18 +105,26 @@ class DiffusionPolicy(nn.Module):
         super().__init__()
         seen = _seen_shape(training, observation_shape)
         self.training_settings, self.observation_shape, self.action_size = training, observation_shape, action_size
-        self.observation_limits = Limits(seen[0]) if len(seen) == 1 else Pixels()
-        self.action_limits = Limits(action_size)
-        self.encoder = ENCODERS[training.encoder](training, seen).to(memory_format=torch.channels_last)
+        self.observation_normalizer: MinMaxNormalizer | Pixels = (
+            MinMaxNormalizer(seen[0]) if len(seen) == 1 else Pixels())
+        self.action_normalizer = MinMaxNormalizer(action_size)
+        self.encoder = ENCODERS[training.encoder](training, seen)
+        self.encoder.to(memory_format=torch.channels_last)  # type: ignore[call-overload]  # torch leaves it untyped
         condition_size = training.observation_horizon * self.encoder.features
         self.denoiser = DENOISERS[training.denoiser](training, action_size, condition_size)
         self.schedule = noise_schedule(training)
 
-    def fit_limits(self, demonstrations: Demonstrations) -> None:
+    @property
+    def observation(self) -> ObservationSpec:
+        """What the policy has to be shown of each timestep."""
+        image = len(self.observation_shape) == 3
+        return ObservationSpec("rgb", self.observation_shape[0]) if image else KEYPOINTS
+
+    def fit_normalizers(self, demonstrations: Demonstrations) -> None:
         """Take the limits of keypoints and actions from the training data."""
-        self.action_limits.fit(demonstrations.actions)
-        if not demonstrations.has_images:
-            self.observation_limits.fit(demonstrations.observations)
+        self.action_normalizer.fit(demonstrations.actions)
+        if isinstance(self.observation_normalizer, MinMaxNormalizer):
+            self.observation_normalizer.fit(demonstrations.observations)
 
     def loss(self, observations: Tensor, actions: Tensor, generator: torch.Generator) -> Tensor:
         """Mean squared error of the denoiser at random noise levels, a scalar.
@@ -123,10 +137,10 @@ class DiffusionPolicy(nn.Module):
         if self.training_settings.crop_pixels:
             observations = crop(observations, self.training_settings.crop_pixels, generator)
         draws = self.training_settings.noise_draws
-        clean = self.action_limits(actions).repeat(draws, 1, 1)
+        clean = self.action_normalizer(actions).repeat(draws, 1, 1)
         time = torch.randint(self.training_settings.diffusion_steps, (len(clean),), generator=generator)
         noise = torch.randn(clean.shape, generator=generator).to(actions.device)
-        noisy = self.schedule.add_noise(clean, noise, time)
+        noisy = self.schedule.add_noise(clean, noise, cast(IntTensor, time))
         condition = self._condition(observations).repeat(draws, 1)
         predicted = self.denoiser(noisy, time.to(actions.device), condition)
         return F.mse_loss(predicted.float(), clean if self.training_settings.target == "sample" else noise)
@@ -140,14 +154,14 @@ class DiffusionPolicy(nn.Module):
         observations (B, To, ...) as in `loss`. The noise (B, Tp, action_size) to start from is drawn from the CPU
         generator, or given: then an episode's actions do not depend on which others are in the batch.
         """
-        observed = torch.from_numpy(observations).to(self.action_limits.scale.device)
+        observed = torch.from_numpy(observations).to(self.action_normalizer.scale.device)
         self._check_observed(observed)
         if self.training_settings.crop_pixels:
             observed = crop(observed, self.training_settings.crop_pixels)
         if noise is None:
             noise = torch.randn(self._predicted_shape(len(observed)), generator=generator)
         actions = self._denoise(noise.to(observed.device), self._condition(observed))
-        executed = self.action_limits.inverse(actions[:, self.training_settings.executed])
+        executed = self.action_normalizer.inverse(actions[:, self.training_settings.executed])
         return executed.clamp(-1, 1).cpu().numpy()
 
     def _condition(self, observations: Tensor) -> Tensor:
@@ -160,13 +174,13 @@ class DiffusionPolicy(nn.Module):
         return torch.cat([older, self._encode(observations[:, -learning:])], -1)
 
     def _encode(self, observations: Tensor) -> Tensor:
-        each = self.encoder(self.observation_limits(observations.flatten(0, 1)))
+        each = self.encoder(self.observation_normalizer(observations.flatten(0, 1)))
         return each.view(len(observations), -1)
 
     def _denoise(self, actions: Tensor, condition: Tensor) -> Tensor:
         for time in self.schedule.timesteps:
             predicted = self.denoiser(actions, time.to(actions.device).expand(len(actions)), condition)
-            actions = self.schedule.step(predicted, time, actions).prev_sample
+            actions = cast(DDIMSchedulerOutput, self.schedule.step(predicted, time, actions)).prev_sample
         return actions
 
     def _predicted_shape(self, batch: int) -> tuple[int, int, int]:

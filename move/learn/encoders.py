@@ -15,7 +15,13 @@ from torch import Tensor, nn
 from move.learn.settings import Training
 
 
-class Keypoints(nn.Module):
+class Encoder(nn.Module):
+    """One observation (N, ...) to `features` numbers."""
+
+    features: int
+
+
+class Keypoints(Encoder):
     """Hands keypoints on as they are, (N, coordinates) float32 in [-1, 1]."""
 
     def __init__(self, training: Training, observation_shape: tuple[int, ...]) -> None:
@@ -27,23 +33,25 @@ class Keypoints(nn.Module):
 
 
 class SpatialSoftmax(nn.Module):
-    """Where in a feature map each of `points` learned patterns lies.
+    """Where in a feature map each of `points` learned keypoints lies.
 
-    (N, channels, H, W) -> (N, 2 * points) float32: x, then y, in [-1, 1] of each pattern's centre of mass. `gain`
-    multiplies the first weights: at 1 every pattern starts spread over the whole picture, and learns slowly. All of it
+    (N, channels, H, W) -> (N, 2 * points) float32: x, then y, in [-1, 1] of each keypoint's centre of mass. `gain`
+    multiplies the first weights: at 1 every keypoint starts spread over the whole picture, and learns slowly. All of it
     stays in channels-last order, in which the convolutions before it work; a change of order costs more than they do.
     """
 
+    grid: Tensor
+
     def __init__(self, channels: int, points: int, height: int, width: int, gain: float = 1.0) -> None:
         super().__init__()
-        self.pattern = nn.Linear(channels, points)
+        self.keypoint_logits = nn.Linear(channels, points)
         with torch.no_grad():
-            self.pattern.weight.mul_(gain)
+            self.keypoint_logits.weight.mul_(gain)
         y, x = torch.meshgrid(torch.linspace(-1, 1, height), torch.linspace(-1, 1, width), indexing="ij")
         self.register_buffer("grid", torch.stack([x.flatten(), y.flatten()]), persistent=False)  # (2, H * W)
 
     def forward(self, maps: Tensor) -> Tensor:
-        mass = self.pattern(maps.permute(0, 2, 3, 1).flatten(1, 2)).float().softmax(1)  # (N, H * W, points)
+        mass = self.keypoint_logits(maps.permute(0, 2, 3, 1).flatten(1, 2)).float().softmax(1)  # (N, H * W, points)
         with torch.autocast(maps.device.type, enabled=False):  # a place needs more digits than bfloat16 has
             return torch.bmm(self.grid.expand(len(mass), -1, -1), mass).flatten(1)
 
@@ -53,16 +61,16 @@ class ResidualBlock(nn.Module):
 
     def __init__(self, channels: int) -> None:
         super().__init__()
-        self.change = nn.Sequential(
+        self.residual = nn.Sequential(
             nn.SiLU(), nn.Conv2d(channels, channels, 3, padding=1),
             nn.SiLU(), nn.Conv2d(channels, channels, 3, padding=1),
         )
 
     def forward(self, maps: Tensor) -> Tensor:
-        return maps + self.change(maps)
+        return maps + self.residual(maps)
 
 
-class SmallCNN(nn.Module):
+class SmallCNN(Encoder):
     """One strided convolution, residual blocks, spatial softmax: (N, 3, H, W) in [-1, 1] -> (N, 2 * points).
 
     The first convolution sees overlapping patches of 8 pixels, one every 4: a cheap way to a quarter of the
@@ -74,13 +82,13 @@ class SmallCNN(nn.Module):
         height, width, channels = observation_shape
         patches = nn.Conv2d(channels, training.cnn_width, 8, stride=4, padding=2)
         blocks = [ResidualBlock(training.cnn_width) for _ in range(training.cnn_blocks)]
-        self.maps = nn.Sequential(patches, *blocks, nn.SiLU())
-        self.places = SpatialSoftmax(training.cnn_width, training.cnn_points, height // 4, width // 4,
+        self.backbone = nn.Sequential(patches, *blocks, nn.SiLU())
+        self.spatial_softmax = SpatialSoftmax(training.cnn_width, training.cnn_points, height // 4, width // 4,
                                      training.softmax_gain)
         self.features = 2 * training.cnn_points
 
     def forward(self, image: Tensor) -> Tensor:
-        return self.places(self.maps(image))
+        return self.spatial_softmax(self.backbone(image))
 
 
 class BasicBlock(nn.Module):
@@ -88,23 +96,23 @@ class BasicBlock(nn.Module):
 
     def __init__(self, channels: int, wider: int, stride: int) -> None:
         super().__init__()
-        self.change = nn.Sequential(
+        self.residual = nn.Sequential(
             nn.Conv2d(channels, wider, 3, stride, padding=1, bias=False), _group_norm(wider), nn.ReLU(),
             nn.Conv2d(wider, wider, 3, padding=1, bias=False), _group_norm(wider),
         )
-        self.short: nn.Module = nn.Identity()
+        self.shortcut: nn.Module = nn.Identity()
         if stride != 1 or channels != wider:
-            self.short = nn.Sequential(nn.Conv2d(channels, wider, 1, stride, bias=False), _group_norm(wider))
+            self.shortcut = nn.Sequential(nn.Conv2d(channels, wider, 1, stride, bias=False), _group_norm(wider))
 
     def forward(self, maps: Tensor) -> Tensor:
-        return torch.relu(self.change(maps) + self.short(maps))
+        return torch.relu(self.residual(maps) + self.shortcut(maps))
 
 
 def _group_norm(channels: int) -> nn.GroupNorm:
     return nn.GroupNorm(channels // 16, channels)
 
 
-class ResNet18(nn.Module):
+class ResNet18(Encoder):
     """ResNet-18 from scratch, then spatial softmax and a linear layer: (N, 3, H, W) in [-1, 1] -> (N, 64)."""
 
     features = 64
@@ -117,15 +125,15 @@ class ResNet18(nn.Module):
             stages += [BasicBlock(before, wider, stride), BasicBlock(wider, wider, 1)]
             before = wider
         stem = nn.Conv2d(channels, 64, 7, stride=2, padding=3, bias=False)
-        self.maps = nn.Sequential(stem, _group_norm(64), nn.ReLU(), nn.MaxPool2d(3, 2, padding=1), *stages)
-        self.places = SpatialSoftmax(512, training.cnn_points, -(-height // 32), -(-width // 32))
-        self.leave = nn.Linear(2 * training.cnn_points, self.features)
+        self.backbone = nn.Sequential(stem, _group_norm(64), nn.ReLU(), nn.MaxPool2d(3, 2, padding=1), *stages)
+        self.spatial_softmax = SpatialSoftmax(512, training.cnn_points, -(-height // 32), -(-width // 32))
+        self.output_projection = nn.Linear(2 * training.cnn_points, self.features)
 
     def forward(self, image: Tensor) -> Tensor:
-        return self.leave(self.places(self.maps(image)))
+        return self.output_projection(self.spatial_softmax(self.backbone(image)))
 
 
-ENCODERS: dict[str, Callable[[Training, tuple[int, ...]], nn.Module]] = {
+ENCODERS: dict[str, Callable[[Training, tuple[int, ...]], Encoder]] = {
     "keypoints": Keypoints,
     "small_cnn": SmallCNN,
     "resnet18": ResNet18,

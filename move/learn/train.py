@@ -65,11 +65,11 @@ def learning_rate(training: Training, step: int) -> float:
     return training.learning_rate * 0.5 * (1 + math.cos(math.pi * done))
 
 
-def average_decay(training: Training, averaged_steps: int) -> float:
+def ema_decay_at(training: Training, averaged_steps: int) -> float:
     """How much of the averaged weights stays in their next move: 1 - (1 + steps)^-power, capped.
 
     >>> settings = Training(encoder="keypoints", denoiser="mlp", gradient_steps=1000, ema_decay=0.999)
-    >>> [round(average_decay(settings, steps), 3) for steps in (0, 1, 15, 100_000)]
+    >>> [round(ema_decay_at(settings, steps), 3) for steps in (0, 1, 15, 100_000)]
     [0.0, 0.405, 0.875, 0.999]
     """
     return min(training.ema_decay, 1 - (1 + averaged_steps) ** -training.ema_power)
@@ -93,7 +93,7 @@ class Batches:
         self.observed, self.predicted = torch.from_numpy(observed).to(device), torch.from_numpy(predicted).to(device)
         self.size = training.batch_size
 
-    def draw(self, generator: torch.Generator) -> tuple[Tensor, Tensor]:
+    def sample(self, generator: torch.Generator) -> tuple[Tensor, Tensor]:
         """Observations (B, To, ...) and actions (B, Tp, action_size) of random windows."""
         chosen = torch.randint(len(self.observed), (self.size,), generator=generator).to(self.observed.device)
         return _select(self.observations, self.observed[chosen]), _select(self.actions, self.predicted[chosen])
@@ -109,12 +109,13 @@ class Trainer:
 
     def __init__(self, demonstrations: Demonstrations, training: Training, seed: int, device: str) -> None:
         self.training, self.seed, self.device, self.data = training, seed, device, fingerprint(demonstrations)
-        self.step, self.averaged_steps, self.seconds = 0, 0, 0.0
+        self.step, self.ema_steps, self.seconds = 0, 0, 0.0
         self.precision = precision_used(training.precision, device)
         self.batches = Batches(demonstrations, training, device)
-        self.policy, self.averaged = self._new_policy(demonstrations), self._new_policy(demonstrations)
-        self.weights, self.averaged_weights = list(self.policy.parameters()), list(self.averaged.parameters())
-        self.averaged.eval().requires_grad_(False)
+        self.policy, self.ema_policy = self._new_policy(demonstrations), self._new_policy(demonstrations)
+        self.weights: list[Tensor] = list(self.policy.parameters())
+        self.ema_weights: list[Tensor] = list(self.ema_policy.parameters())
+        self.ema_policy.eval().requires_grad_(False)
         if device != "cpu":
             self.policy.encoder.compile()
             self.policy.denoiser.compile()
@@ -128,30 +129,30 @@ class Trainer:
         with torch.random.fork_rng(devices=[]):
             torch.manual_seed(step_generator(self.seed, -1).initial_seed())
             policy = DiffusionPolicy(self.training, observation_shape, action_size)
-        policy.fit_limits(demonstrations)
+        policy.fit_normalizers(demonstrations)
         return policy.to(self.device)
 
     def take_step(self) -> float:
         """One gradient step; returns its loss."""
         generator = step_generator(self.seed, self.step)
         with torch.autocast(self.device, torch.bfloat16, enabled=self.precision == "bfloat16"):
-            loss = self.policy.loss(*self.batches.draw(generator), generator)
+            loss = self.policy.loss(*self.batches.sample(generator), generator)
         self.adam.zero_grad()
         loss.backward()
         self.adam.param_groups[0]["lr"] = learning_rate(self.training, self.step)
         self.adam.step()
         with torch.no_grad():
-            keep = average_decay(self.training, self.averaged_steps)
-            torch._foreach_lerp_(self.averaged_weights, self.weights, 1 - keep)
+            keep = ema_decay_at(self.training, self.ema_steps)
+            torch._foreach_lerp_(self.ema_weights, self.weights, 1 - keep)
         value = self.losses[self.step] = loss.item()
         if not math.isfinite(value):
             raise FloatingPointError(f"loss {value} at gradient step {self.step}; try a smaller learning_rate")
-        self.step, self.averaged_steps = self.step + 1, self.averaged_steps + 1
+        self.step, self.ema_steps = self.step + 1, self.ema_steps + 1
         return value
 
     def checkpoint(self) -> Checkpoint:
         """What `resume` needs; once finished, only what acting and reporting need."""
-        tensors = {f"averaged/{name}": tensor for name, tensor in self.averaged.state_dict().items()}
+        tensors = {f"averaged/{name}": tensor for name, tensor in self.ema_policy.state_dict().items()}
         tensors["losses"] = self.losses[:self.step]
         if self.step < self.training.gradient_steps:
             tensors |= {f"network/{name}": tensor for name, tensor in self.policy.state_dict().items()}
@@ -159,16 +160,16 @@ class Trainer:
                 tensors |= {f"adam/{i}/{name}": tensor for name, tensor in moments.items()}
         return Checkpoint(
             self.training, self.seed, self.data, tuple(self.policy.observation_shape), self.policy.action_size,
-            self.step, self.averaged_steps, self.seconds, self.precision,
+            self.step, self.ema_steps, self.seconds, self.precision,
             {name: tensor.contiguous() for name, tensor in tensors.items()},
         )
 
     def resume(self, saved: Checkpoint) -> None:
         """Go back to where a checkpoint of this same run was made."""
         self._check_same_run(saved)
-        self.step, self.averaged_steps, self.seconds = saved.step, saved.averaged_steps, saved.seconds
+        self.step, self.ema_steps, self.seconds = saved.step, saved.averaged_steps, saved.seconds
         self.precision = saved.precision if saved.finished else self.precision
-        self.averaged.load_state_dict(saved.group("averaged"))
+        self.ema_policy.load_state_dict(saved.group("averaged"))
         self.losses[:saved.step] = saved.tensors["losses"]
         if not saved.finished:
             self.policy.load_state_dict(saved.group("network"))
@@ -234,4 +235,4 @@ def train(
             saved_at = trainer.seconds
         if on_step:
             on_step(trainer.step, training.gradient_steps, loss)
-    return trainer.averaged, trainer.report()
+    return trainer.ema_policy, trainer.report()

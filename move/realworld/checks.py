@@ -12,7 +12,7 @@ import pandas as pd
 from move.paper import REAL_SIZES_TIMESTEPS, TABLE6_REAL_MEAN_TIMESTEPS
 from move.realworld.dataset import RobotDataSet
 from move.realworld.episode import RobotEpisode
-from move.realworld.piper import flange_pose
+from move.realworld.piper import forward_kinematics
 from move.realworld.units import outside_limits
 
 OUTCOMES = ("pass", "differs", "fail", "not checked")
@@ -122,7 +122,7 @@ def _kinematics(episodes: Sequence[RobotEpisode], *, allowed_m: float = 0.02) ->
     if not judged:
         return Check(name, "not checked", "needs six joints and a pose")
     gaps = np.concatenate(
-        [np.linalg.norm(flange_pose(e.joints)[:, :3] - e.end_effector[:, :3], axis=1) for e in judged])
+        [np.linalg.norm(forward_kinematics(e.joints)[:, :3] - e.end_effector[:, :3], axis=1) for e in judged])
     gap = float(np.nanmedian(gaps))
     detail = f"median distance {100 * gap:.1f} cm" + ("" if gap <= allowed_m else
                                                       ": another frame, a tool offset, another arm, or wrong units")

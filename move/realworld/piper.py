@@ -42,7 +42,7 @@ def flange_transform(joints_rad: np.ndarray) -> np.ndarray:
     return pose
 
 
-def flange_pose(joints_rad: np.ndarray) -> np.ndarray:
+def forward_kinematics(joints_rad: np.ndarray) -> np.ndarray:
     """Pose of the flange as x, y, z (m) and roll, pitch, yaw (rad, fixed axes x-y-z).
 
     Args:

@@ -19,7 +19,7 @@ from move.paper import REAL_RADIUS_M
 from move.realworld.dataset import SIMULATED
 from move.realworld.formats import lerobot_v2
 from move.realworld.lerobot_files import scalar_columns, scalar_features, vectors
-from move.realworld.piper import flange_pose, reach
+from move.realworld.piper import forward_kinematics, reach
 from move.video import write_video
 
 FPS = 5
@@ -149,7 +149,7 @@ def _write_part(folder: Path, toys: list[Toy]) -> None:
     first = 0
     lines = []
     for index, (toy, angles) in enumerate(zip(toys, joints, strict=True)):
-        state = np.column_stack([angles, toy.gripper_m, flange_pose(angles)]).astype(np.float32)
+        state = np.column_stack([angles, toy.gripper_m, forward_kinematics(angles)]).astype(np.float32)
         _write_table(folder / f"data/chunk-000/episode_{index:06d}.parquet", state, index, first)
         write_video(folder / f"videos/chunk-000/{CAMERA}/episode_{index:06d}.mp4",
                     (draw(toy, step) for step in range(len(state))), SIZE, FPS, "yuv420p", VIDEO_OPTIONS)

@@ -97,11 +97,13 @@ def power(rate_a: float, rate_b: float, *, trials: int = REAL_TRIALS, level: flo
     return float(a @ _rejected(trials, level) @ b)
 
 
-def smallest_detectable(base: float, *, trials: int = REAL_TRIALS, wanted: float = 0.8, level: float = 0.95) -> float:
+def minimum_detectable_effect(
+    base: float, *, trials: int = REAL_TRIALS, wanted: float = 0.8, level: float = 0.95
+) -> float:
     """Smallest rise above a base rate that is found with the wanted power; NaN where even success in every trial
     is not enough.
 
-    >>> round(smallest_detectable(7 / 30), 2)
+    >>> round(minimum_detectable_effect(7 / 30), 2)
     0.38
     """
     if power(base, 1.0, trials=trials, level=level) < wanted:
@@ -116,7 +118,7 @@ def smallest_detectable(base: float, *, trials: int = REAL_TRIALS, wanted: float
 def power_table(bases: Sequence[float], *, trials: Sequence[int] = (REAL_TRIALS,),
                 wanted: float = 0.8) -> pd.DataFrame:
     """Columns base, trials, detectable_rise, rate_needed: what so many trials of each method can show."""
-    rows = [{"base": base, "trials": n, "detectable_rise": smallest_detectable(base, trials=n, wanted=wanted)}
+    rows = [{"base": base, "trials": n, "detectable_rise": minimum_detectable_effect(base, trials=n, wanted=wanted)}
             for base in bases
             for n in trials]
     return pd.DataFrame(rows).assign(rate_needed=lambda table: table["base"] + table["detectable_rise"])

@@ -9,7 +9,7 @@ import pandas as pd
 
 from move.paper import REAL_RADIUS_M
 from move.realworld.episode import RobotEpisode
-from move.realworld.piper import flange_pose
+from move.realworld.piper import forward_kinematics
 
 
 def workspace_cells(cell_m: float = 0.05, *, radius_m: float = REAL_RADIUS_M) -> pd.DataFrame:
@@ -98,7 +98,7 @@ def positions(episode: RobotEpisode) -> np.ndarray | None:
         (T, 3) m, or None where neither was recorded.
     """
     if episode.joints is not None and episode.joints.shape[1] == 6:
-        return flange_pose(episode.joints)[:, :3]
+        return forward_kinematics(episode.joints)[:, :3]
     return None if episode.end_effector is None else episode.end_effector[:, :3]
 
 

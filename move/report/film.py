@@ -6,13 +6,14 @@ from pathlib import Path
 
 import numpy as np
 
-from move.learn.agents import PolicyPlayer
+from move.learn.agents import PolicyAgent
 from move.learn.diffusion import DiffusionPolicy
 from move.learn.evaluate import evaluate
-from move.sim.collect import Collection, attempts
+from move.sim.collect import attempts
+from move.sim.collection import Collection, Method
 from move.sim.motion.wrappers import Motions
 from move.sim.tasks import get_task
-from move.study.spec import RunSpec
+from move.study.spec import PolicyRun
 from move.video import write_video
 
 FRAMES_PER_SECOND = 25  # two timesteps of three are shown at real speed
@@ -27,7 +28,7 @@ def demonstration_frames(collection: Collection, seed: int) -> np.ndarray:
     return np.stack(next(episode.observations for episode in attempts(collection, seed) if episode.succeeded))
 
 
-def episode_frames(policy: DiffusionPolicy, spec: RunSpec, number: int, image_size: int) -> tuple[dict, np.ndarray]:
+def episode_frames(policy: DiffusionPolicy, spec: PolicyRun, number: int, image_size: int) -> tuple[dict, np.ndarray]:
     """Play one evaluation episode of a run again: its row, and every timestep as (steps, size, size, 3) uint8.
 
     Raises:
@@ -35,14 +36,14 @@ def episode_frames(policy: DiffusionPolicy, spec: RunSpec, number: int, image_si
     """
     frames: list[np.ndarray] = []
     (row,) = evaluate(
-        PolicyPlayer(policy, spec.seed), get_task(spec.task), spec.evaluation, spec.observation,
-        spec.collection.image_size, only={number}, watch=lambda _, scene: frames.append(scene.render_image(image_size)),
+        PolicyAgent(policy, spec.seed), get_task(spec.task), spec.evaluation, spec.collection.observed,
+        indices={number}, callback=lambda _, scene: frames.append(scene.render_image(image_size)),
     )
     return row, np.stack(frames)
 
 
 def one_of_each(
-    policy: DiffusionPolicy, spec: RunSpec, rng: np.random.Generator, image_size: int, tries: int = 20
+    policy: DiffusionPolicy, spec: PolicyRun, rng: np.random.Generator, image_size: int, tries: int = 20
 ) -> list[tuple[dict, np.ndarray]]:
     """Play evaluation episodes in random order until one has succeeded and one has failed; these two, or the only one.
 
@@ -58,7 +59,7 @@ def one_of_each(
     return [shown[outcome] for outcome in (True, False) if outcome in shown]
 
 
-def demonstration(task: str, method: str, image_size: int = 192, motions: Motions | None = None) -> Collection:
+def demonstration(task: str, method: Method, image_size: int = 192, motions: Motions | None = None) -> Collection:
     """The collection that a film of one demonstration shows."""
     return Collection(task=task, method=method, timesteps=1, observation="rgb", image_size=image_size,
                       motions=motions or Motions())

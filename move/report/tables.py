@@ -17,6 +17,7 @@ from move.sim.tasks.task import acceptance_rate
 from move.study.cells import successes, training_noise
 from move.study.profiles import Profile
 from move.study.results import Result
+from move.study.spec import CollectionRun, PolicyRun
 from move.study.statistics import UNKNOWN, TrainingNoise, difference, success_rate
 
 
@@ -75,7 +76,7 @@ def by_hand_start(episodes: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
 def inside_and_outside(episodes: pd.DataFrame, disc: Disc) -> pd.DataFrame:
     """The grid's episodes with a column `where`: "inside" or "outside" of `disc`, by the object's place."""
     grid = episodes[episodes.group == "grid"]
-    inside = [disc.contains(place) for place in zip(grid.object_x, grid.object_y, strict=True)]
+    inside = [disc.contains((x, y, 0.0)) for x, y in zip(grid.object_x, grid.object_y, strict=True)]
     return grid.assign(where=np.where(inside, "inside", "outside")).sort_values("where", kind="stable")
 
 
@@ -92,7 +93,8 @@ def demonstrations_made(results: list[Result], by: str) -> pd.DataFrame:
     """How many demonstrations a data set has, one row a value of the label `by` and method: the mean of the seeds."""
     rows = pd.DataFrame([{by: result.labels[by], "method": result.spec.method,
                           "demonstrations": result.collection["demonstrations"],
-                          "timesteps": result.spec.collection.timesteps} for result in results if result.collection])
+                          "timesteps": result.spec.collection.timesteps} for result in results
+                         if isinstance(result.spec, PolicyRun) and result.collection])
     return rows.groupby([by, "method"], sort=False).mean().reset_index()
 
 
@@ -132,12 +134,13 @@ def recipe_table(results: list[Result]) -> pd.DataFrame:
     chosen = {timesteps: _outcomes(result) for result, timesteps, change in runs if change == "chosen"}
     rows = []
     for result, timesteps, change in runs:
+        training = result.training or {"curve": [[0, np.nan]]}
         outcomes = _outcomes(result)
         rate = success_rate(outcomes)
         gap = difference(outcomes, chosen[timesteps]) if timesteps in chosen else None
         gain = (gap.value, gap.low, gap.high) if gap else (np.nan,) * 3
         rows.append({"timesteps": timesteps, "change": change,
-                     "train_minutes": result.seconds["train"] / 60, "loss": result.training["curve"][-1][1],
+                     "train_minutes": result.seconds["train"] / 60, "loss": training["curve"][-1][1],
                      "value": rate.value, "low": rate.low, "high": rate.high, "episodes": rate.episodes,
                      **dict(zip(("gain", "gain_low", "gain_high"), gain, strict=True))})
     return pd.DataFrame(rows)
@@ -167,16 +170,16 @@ def collection_costs(results: list[Result]) -> pd.DataFrame:
     Column `jumps` is the mean number of jumps of a demonstration, NaN for a method that has none.
 
     Args:
-        results: of runs whose player is "collector".
+        results: of runs whose agent is "collector".
     """
     rows = []
-    for result in results:
+    for result, spec in [(result, result.spec) for result in results if isinstance(result.spec, CollectionRun)]:
         attempts = len(result.rows)
         kept = [row for row in result.rows if row["success"]]
         rate, steps = len(kept) / attempts, [row["steps"] for row in kept]
         low, high = wilson_interval(rate, attempts)
         jumps = [row["jumps"] for row in kept if "jumps" in row]
-        rows.append({"task": result.spec.task, "method": result.spec.method, "expert": result.spec.collection.expert,
+        rows.append({"task": spec.task, "method": spec.method, "expert": spec.collection.expert,
                      "attempts": attempts, "generation_rate": rate, "low": low, "high": high,
                      "mean_steps": float(np.mean(steps)) if steps else np.nan,
                      "jumps": float(np.mean(jumps)) if jumps else np.nan})

@@ -183,9 +183,16 @@ def collect(
     made: list[tuple[Demonstrations, CollectionRecord]] = []
     for part in collection.parts:
         before = sum(record.timesteps for _, record in made)
-        made.append(_collect(part, seed, lambda done, before=before: on_step and on_step(before + done,
-                                                                                         collection.timesteps)))
+        made.append(_collect(part, seed, _shifted(on_step, before, collection.timesteps)))
     return made[0] if len(made) == 1 else _end_to_end(made)
+
+
+def _shifted(on_step: Callable[[int, int], None] | None, before: int, total: int) -> Callable[[int], None]:
+    """What reports `before` timesteps more than it is told, of `total`; to nobody if there is nobody."""
+    def report(done: int) -> None:
+        if on_step:
+            on_step(before + done, total)
+    return report
 
 
 def _collect(

@@ -10,6 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validat
 
 from move.sim.motion.adc import Jumping
 from move.sim.motion.wrappers import Motions, Part, movable
+from move.sim.observe import IMAGE_SIZE, ObservationKind, ObservationSpec
 from move.sim.tasks import FACTORS, TASKS, get_task
 
 Method = Literal["static", "adc", "move", "mixture"]
@@ -34,8 +35,8 @@ class Collection(BaseModel):
     task: str = Field(description="a name in move.sim.tasks.TASKS")
     method: Method = Field(description="how it is collected")
     timesteps: int = Field(gt=0, description="the budget, in steps of the environment")
-    observation: Literal["keypoints", "rgb"] = Field(default="keypoints", description="what is kept of each timestep")
-    image_size: int = Field(default=96, ge=16, le=512, description="pixels along a side")
+    observation: ObservationKind = Field(default="keypoints", description="what is kept of each timestep")
+    image_size: int = Field(default=IMAGE_SIZE, ge=16, le=512, description="pixels along a side")
     factors: str = Field(default="all", description="what is random: a name in move.sim.tasks.FACTORS")
     protocol: Literal["random", "sparse", "dense", "circle"] = Field(default="random", description="where it grasps")
     expert: Literal["phase", "metaworld"] = Field(default="phase", description="who demonstrates")
@@ -94,9 +95,10 @@ class Collection(BaseModel):
         if speed is None or not {"task", "method", "factors", "motions", "moving"} <= info.data.keys():
             return speed
         able = info.data["moving"] or _able_to_move(info.data)
-        if (part := info.field_name.removesuffix("_speed")) not in able:
+        name = str(info.field_name)
+        if (part := name.removesuffix("_speed")) not in able:
             raise ValueError(f"the {part} does not move; allowed are speeds of {', '.join(able)}")
-        return None if speed == getattr(Motions(), info.field_name) else speed
+        return None if speed == getattr(Motions(), name) else speed
 
     @model_validator(mode="after")
     def _nothing_without_effect(self) -> Self:
@@ -121,6 +123,11 @@ class Collection(BaseModel):
             raise ValueError(f"shares give {', '.join(map(str, steps))} of {self.timesteps} timesteps; allowed is one "
                              "each at least")
         return self
+
+    @property
+    def observed(self) -> ObservationSpec:
+        """What is kept of each timestep, with the size of an image."""
+        return ObservationSpec(self.observation, self.image_size)
 
     @property
     def methods(self) -> tuple[str, ...]:

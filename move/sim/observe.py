@@ -8,12 +8,28 @@ from __future__ import annotations
 
 import atexit
 import math
+from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
 from move.errors import BadInput
 from move.machine import gl_problem
 from move.sim.scene import camera
+
+ObservationKind = Literal["keypoints", "rgb"]
+IMAGE_SIZE = 96  # pixels along a side, where nothing else is chosen
+
+
+@dataclass(frozen=True)
+class ObservationSpec:
+    """What is seen of a timestep: keypoints, or an RGB image of `image_size` pixels along each side."""
+
+    kind: ObservationKind = "keypoints"
+    image_size: int = IMAGE_SIZE
+
+
+KEYPOINTS = ObservationSpec()
 
 ROBOT_POINTS = ("site:rightEndEffector", "site:leftEndEffector", "body:hand")
 LANDMARKS = {  # corners of the table's working area: they tell the policy where the camera is

@@ -18,7 +18,7 @@ from move.learn.settings import Training
 from move.sim.collect import Collection
 from move.sim.motion.adc import MENDED
 from move.study.profiles import Profile
-from move.study.spec import RunSpec
+from move.study.spec import CollectionRun, ControlRun, PolicyRun
 from move.study.validation import build
 
 CHOSEN: dict[str, dict[str, Any]] = {"adc": {"jumping": MENDED}}
@@ -28,7 +28,7 @@ CHOSEN: dict[str, dict[str, Any]] = {"adc": {"jumping": MENDED}}
 def policy_run(
     profile: Profile, *, task: str, method: str, seed: int, timesteps: int, observation: str = "rgb",
     length: float = 1, **settings: Any,
-) -> RunSpec:
+) -> PolicyRun:
     """A policy: its data by `method`, the profile's recipe for as much data, and how it is tried.
 
     Args:
@@ -46,26 +46,26 @@ def policy_run(
         changes = {"gradient_steps": round(length * recipe.gradient_steps), **changes}
     made = {"image_size": profile.image_size, **_chosen(profile, method, settings), **_of(Collection, settings)}
     return build(
-        RunSpec, task=task, seed=seed,
+        PolicyRun, task=task, seed=seed,
         training=build(Training, **{**recipe.model_dump(), **changes}) if changes else recipe,
         collection=build(Collection, task=task, method=method, timesteps=timesteps, observation=observation, **made),
         evaluation=build(Evaluation, **_of(Evaluation, settings)),
     )
 
 
-def control_run(*, task: str, player: str, seed: int = 0, **settings: Any) -> RunSpec:
-    """A floor or a ceiling: `player` does nothing, acts at random, or is the expert; fields of Evaluation besides.
+def control_run(*, task: str, agent: str, seed: int = 0, **settings: Any) -> ControlRun:
+    """A floor or a ceiling: `agent` does nothing, acts at random, or is the expert; fields of Evaluation besides.
 
     Raises:
         BadInput: an unknown setting, or a value that is not allowed.
     """
     _refuse_unknown(settings, Evaluation)
-    return build(RunSpec, task=task, seed=seed, player=player, evaluation=build(Evaluation, **settings))
+    return build(ControlRun, task=task, seed=seed, agent=agent, evaluation=build(Evaluation, **settings))
 
 
 def collector_run(
     profile: Profile, *, task: str, method: str, attempts: int, seed: int = 0, **settings: Any
-) -> RunSpec:
+) -> CollectionRun:
     """So many attempts to demonstrate, counted; fields of Collection besides.
 
     Raises:
@@ -73,18 +73,19 @@ def collector_run(
     """
     _refuse_unknown(settings, Collection)
     made = {**_chosen(profile, method, settings), **settings}
-    return build(RunSpec, task=task, seed=seed, player="collector", evaluation=build(Evaluation, episodes=attempts),
+    return build(CollectionRun, task=task, seed=seed, evaluation=build(Evaluation, episodes=attempts),
                  collection=build(Collection, task=task, method=method, timesteps=1, **made))
 
 
 def _chosen(profile: Profile, method: str, settings: dict[str, Any]) -> dict[str, Any]:
     """What is chosen for a method where the settings choose nothing; for a mixture what is for each of its methods."""
-    own = profile.collection.get(method, {})
+    chosen = {str(name): settings for name, settings in profile.collection.items()}
+    own = chosen.get(method, {})
     shares = {**own, **settings}.get("shares", {})
     methods = shares if isinstance(shares, Mapping) else ()
     found: dict[str, Any] = {}
     for name in (*methods, method):
-        found |= {**CHOSEN.get(name, {}), **profile.collection.get(name, {})}
+        found |= {**CHOSEN.get(name, {}), **chosen.get(name, {})}
     return found
 
 

@@ -42,8 +42,8 @@ def grid(base: Callable[..., RunSpec], **axes: Axis) -> list[LabelledRun]:
 
     >>> from functools import partial
     >>> from move.study.kinds import control_run
-    >>> runs = grid(partial(control_run, episodes=5), task=["push"], player=["nothing", "expert"])
-    >>> [run.labels["player"] for run in runs]
+    >>> runs = grid(partial(control_run, episodes=5), task=["push"], agent=["nothing", "expert"])
+    >>> [run.labels["agent"] for run in runs]
     ['nothing', 'expert']
     """
     choices = [[(name, label, settings) for label, settings in _settings(name, axis).items()]

@@ -18,7 +18,7 @@ from move.sim.demonstrations import Demonstrations
 from move.sim.scene.scene import Scene
 from move.study.profiles import Profile
 from move.study.results import Result, split
-from move.study.spec import RunSpec
+from move.study.spec import PolicyRun, RunSpec
 
 CONTROL_MINUTES = 0.05
 TRIAL_MINUTES = 2.5  # to collect again and try a policy that is there, from pixels
@@ -71,7 +71,7 @@ def _minutes(spec: RunSpec, there: list[Result], minutes: dict[str, float], imag
              if result.spec.observation == spec.observation and result.spec.task == spec.task]
     if alike:
         return median(alike)
-    if spec.training is None:
+    if not isinstance(spec, PolicyRun):
         return CONTROL_MINUTES
     if spec.observation not in minutes:
         seconds = step_seconds(spec.training, _example(spec, image_size))
@@ -79,13 +79,13 @@ def _minutes(spec: RunSpec, there: list[Result], minutes: dict[str, float], imag
     return minutes[spec.observation]
 
 
-def _example(spec: RunSpec, image_size: int) -> Demonstrations:
+def _example(spec: PolicyRun, image_size: int) -> Demonstrations:
     """As many timesteps as a batch has windows, of the right shapes and no meaning."""
     scene, rng = Scene(spec.task, "keypoints"), np.random.default_rng(0)
     steps = spec.training.batch_size
     observations = (rng.integers(256, size=(steps, image_size, image_size, 3), dtype=np.uint8)
                     if spec.observation == "rgb"
-                    else rng.normal(size=(steps, *scene.observation_space.shape)).astype(np.float32))
+                    else rng.normal(size=(steps, *scene.keypoints().shape)).astype(np.float32))
     actions = rng.uniform(-1, 1, (steps, scene.task.action_size)).astype(np.float32)
     return Demonstrations(observations, actions, np.array([steps]))
 

@@ -14,6 +14,7 @@ from move.learn.settings import Training
 from move.machine import gl_problem
 from move.paths import PROFILES
 from move.sim.collection import Method
+from move.sim.observe import IMAGE_SIZE
 from move.study.validation import first_problem
 
 
@@ -29,7 +30,7 @@ class Profile(BaseModel):
         "of git"
     )
     shipped: bool = Field(default=False, description="whether its figures and tables are those in git")
-    image_size: int = Field(default=96, ge=16, le=512, description="pixels along a side")
+    image_size: int = Field(default=IMAGE_SIZE, ge=16, le=512, description="pixels along a side")
     collection: dict[Method, dict[str, Any]] = Field(
         default_factory=dict, description="by method: fields of Collection that its runs have where an experiment "
         "chooses none"

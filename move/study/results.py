@@ -19,7 +19,7 @@ from pydantic import ValidationError
 
 from move.errors import BadInput
 from move.study.labels import Label
-from move.study.spec import RunSpec
+from move.study.spec import RunSpec, run_spec_from_json
 
 
 @dataclass(frozen=True)
@@ -96,7 +96,7 @@ def load(spec: RunSpec, folder: Path) -> Result | None:
         content = json.loads(path.read_text())
         if content.pop("digest", None) != _digest(content):
             raise ValueError("its content does not fit its digest")
-        content["spec"] = RunSpec.model_validate_json(json.dumps(content["spec"]))
+        content["spec"] = run_spec_from_json(json.dumps(content["spec"]))
         if content["spec"] != spec:
             raise ValueError("it holds another spec")
         columns = content["rows"]

@@ -14,7 +14,7 @@ import numpy as np
 from filelock import FileLock
 
 from move.errors import BadInput
-from move.learn.agents import CONTROLS, Player, PolicyPlayer
+from move.learn.agents import CONTROLS, Agent, PolicyAgent
 from move.learn.diffusion import DiffusionPolicy
 from move.learn.evaluate import evaluate
 from move.learn.train import TrainingReport, train
@@ -23,10 +23,11 @@ from move.paths import RUNS
 from move.sim.collect import CollectionRecord, attempts, collect
 from move.sim.configuration import SpatialConfiguration
 from move.sim.motion.adc import Jumping
+from move.sim.observe import KEYPOINTS, ObservationSpec
 from move.sim.tasks import get_task
 from move.study.provenance import provenance
 from move.study.results import Result, store
-from move.study.spec import RunSpec
+from move.study.spec import CollectionRun, ControlRun, PolicyRun, RunSpec
 
 OnProgress = Callable[[str, int, int], None]
 """Called with the part of the run, what is done of it and how much there is."""
@@ -45,19 +46,23 @@ def run(
     report = on_progress or (lambda part, done, total: None)
     seconds: dict[str, float] = {}
     collected = trained = None
-    if spec.player == "collector":
-        rows = _count_attempts(spec, report, seconds)
-    else:
-        player, record, trained = _player(spec, report, seconds, scratch or RUNS)
-        rows = _evaluate(spec, player, record, report, seconds)
-        collected = record.content() if record else None
+    match spec:
+        case CollectionRun():
+            rows = _count_attempts(spec, report, seconds)
+        case ControlRun():
+            rows = _evaluate(spec, CONTROLS[spec.agent](spec.seed), KEYPOINTS, [], report, seconds)
+        case PolicyRun():
+            policy, record, training = _learn(spec, report, seconds, scratch or RUNS)
+            rows = _evaluate(spec, PolicyAgent(policy, spec.seed), spec.collection.observed, _own(spec, record), report,
+                             seconds)
+            collected, trained = record.content(), asdict(training)
     result = Result(spec, rows, collected, trained, {part: round(value, 2) for part, value in seconds.items()},
                     provenance(draws=spec.observation == "rgb"))
     store(result, folder)
     return result
 
 
-def _count_attempts(spec: RunSpec, report: OnProgress, seconds: dict[str, float]) -> list[dict]:
+def _count_attempts(spec: CollectionRun, report: OnProgress, seconds: dict[str, float]) -> list[dict]:
     """One row an attempt to demonstrate: whether it succeeded, its steps, and its jumps where ADC's rule is chosen."""
     started, rows = time.perf_counter(), []
     for number, episode in enumerate(islice(attempts(spec.collection, spec.seed), spec.evaluation.episodes)):
@@ -70,34 +75,28 @@ def _count_attempts(spec: RunSpec, report: OnProgress, seconds: dict[str, float]
 
 
 def _evaluate(
-    spec: RunSpec, player: Player, record: CollectionRecord | None, report: OnProgress, seconds: dict[str, float]
+    spec: PolicyRun | ControlRun, agent: Agent, observation: ObservationSpec, own: list[SpatialConfiguration],
+    report: OnProgress, seconds: dict[str, float],
 ) -> list[dict]:
     started = time.perf_counter()
-    own = {"own": record.starts, "grasp": record.grasps}.get(spec.evaluation.layout, []) if record else []
-    rows = evaluate(
-        player, get_task(spec.task), spec.evaluation,
-        own=_some(own, spec),
-        observation=spec.collection.observation if spec.collection else "keypoints",
-        image_size=spec.collection.image_size if spec.collection else 96,
-        on_step=lambda done, total: report("evaluate", done, total),
-    )
+    rows = evaluate(agent, get_task(spec.task), spec.evaluation, observation, own=own,
+                    on_step=lambda done, total: report("evaluate", done, total))
     seconds["evaluate"] = time.perf_counter() - started
     return rows
 
 
-def _some(own: list[SpatialConfiguration], spec: RunSpec) -> list[SpatialConfiguration]:
+def _own(spec: PolicyRun, record: CollectionRecord) -> list[SpatialConfiguration]:
     """As many of a policy's own configurations as are tried: the first ones; of a mixture some of each part."""
+    own = {"own": record.starts, "grasp": record.grasps}.get(spec.evaluation.starts, [])
     count = spec.evaluation.episodes
     if spec.method != "mixture" or len(own) <= count:
         return own[:count]
     return [own[index] for index in np.linspace(0, len(own) - 1, count).round().astype(int)]
 
 
-def _player(
-    spec: RunSpec, report: OnProgress, seconds: dict[str, float], scratch: Path
-) -> tuple[Player, CollectionRecord | None, dict | None]:
-    if spec.player != "policy":
-        return CONTROLS[spec.player](spec.seed), None, None
+def _learn(
+    spec: PolicyRun, report: OnProgress, seconds: dict[str, float], scratch: Path
+) -> tuple[DiffusionPolicy, CollectionRecord, TrainingReport]:
     started = time.perf_counter()
     demonstrations, record = collect(spec.collection, spec.seed, lambda done, total: report("collect", done, total))
     seconds["collect"] = time.perf_counter() - started
@@ -117,7 +116,7 @@ def _player(
             shutil.rmtree(checkpoint)
             policy, trained = go_on()
     seconds["train"] = trained.seconds
-    return PolicyPlayer(policy, spec.seed), record, asdict(trained)
+    return policy, record, trained
 
 
 def run_and_report(spec: RunSpec, folder: Path) -> str:

@@ -1,86 +1,173 @@
-"""A run as data: everything that decides a number, and its hash."""
+"""A run as data: everything that decides a number, and its hash.
+
+PolicyRun       collect, train, evaluate
+ControlRun      evaluate somebody who learnt nothing
+CollectionRun   count attempts to demonstrate
+RunSpec         any of the three; `run_spec_from_json` reads it back
+"""
 
 from __future__ import annotations
 
 import hashlib
 import json
-from typing import Literal, Self
+from typing import Annotated, ClassVar, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, model_validator
 
 from move.learn.evaluate import Evaluation
 from move.learn.settings import Training
-from move.sim.collect import Collection
+from move.sim.collection import Collection
 
 RESULTS_VERSION = 1
 """Raised by hand whenever the behaviour of collection, training or evaluation changes; it makes every hash new."""
 
+OF_A_POLICY = ("own", "grasp")  # evaluations that start where the policy's own demonstrations did
 
-class RunSpec(BaseModel):
-    """One run: collect, train, evaluate; or a control, which only evaluates; or attempts to demonstrate, counted.
+
+class _Run(BaseModel):
+    """What the three kinds share.
 
     Two runs with the same hash are the same run. Fields left at their defaults do not enter the hash, so a field
-    added later, whose default means what was done before, keeps the results that exist.
+    added later, whose default means what was done before, keeps the results that exist. Stored JSON calls the agent
+    "player".
     """
 
-    model_config = ConfigDict(frozen=True, strict=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, strict=True, extra="forbid", validate_by_name=True, validate_by_alias=True,
+                              serialize_by_alias=True, loc_by_alias=False)
+    kind: ClassVar[str]
 
     task: str
     seed: int = Field(ge=0)
-    player: Literal["policy", "nothing", "random", "expert", "goal-blind", "collector"] = "policy"
-    collection: Collection | None = None
-    training: Training | None = None
+    agent: str = Field(alias="player")
     evaluation: Evaluation = Evaluation()
     results_version: int = RESULTS_VERSION
-
-    @model_validator(mode="after")
-    def _parts_fit_the_player(self) -> Self:
-        needed = {"policy": (True, True), "collector": (True, False)}.get(self.player, (False, False))
-        if needed != (self.collection is not None, self.training is not None):
-            raise ValueError(f"player {self.player!r}: a policy has a collection and a training, a collector a "
-                             "collection only, a control neither")
-        if self.player == "collector" and self.collection.method == "mixture":
-            raise ValueError("attempts of a mixture; allowed are those of each of its methods")
-        if self.evaluation.layout in ("own", "grasp") and self.player != "policy":
-            raise ValueError(f"player {self.player!r} learnt from nothing; layout {self.evaluation.layout!r} is for "
-                             "policies")
-        if self.collection and self.collection.task != self.task:
-            raise ValueError(f"task {self.task!r} but a collection of {self.collection.task!r}")
-        return self
 
     @property
     def hash(self) -> str:
         """First 16 hexadecimal digits of the sha256 of the canonical JSON."""
         chosen = self.model_dump(mode="json", exclude_defaults=True) | {"results_version": self.results_version}
+        if self.agent != "policy":
+            chosen["player"] = self.agent
         canonical = json.dumps(chosen, sort_keys=True, separators=(",", ":"))
         return hashlib.sha256(canonical.encode()).hexdigest()[:16]
 
     @property
     def policy_hash(self) -> str:
-        """The hash of the run that tries the same policy as `Evaluation()` says: alike where only the trial differs."""
+        """The hash of the run that tries the same policy as `Evaluation()` says: alike where only the starts differ."""
         return self.model_copy(update={"evaluation": Evaluation()}).hash
 
-    @property
-    def kind(self) -> str:
-        """Whether the run has a "policy", is a "control", or counts attempts of a "collector"."""
-        return self.player if self.player in ("policy", "collector") else "control"
+    def _no_policy(self) -> Self:
+        if self.evaluation.starts in OF_A_POLICY:
+            raise ValueError(f"agent {self.agent!r} learnt from nothing; starts {self.evaluation.starts!r} are for "
+                             "policies")
+        return self
+
+
+class PolicyRun(_Run):
+    """Collect demonstrations, train a policy on them, evaluate it."""
+
+    kind: ClassVar[str] = "policy"
+
+    agent: Literal["policy"] = Field(default="policy", alias="player")
+    collection: Collection
+    training: Training
+
+    @model_validator(mode="after")
+    def _one_task(self) -> Self:
+        _same_task(self.task, self.collection)
+        return self
 
     @property
     def observation(self) -> str:
-        """What the player sees: "keypoints", "rgb", or "none" for a control."""
-        return self.collection.observation if self.collection else "none"
+        """What the policy sees: "keypoints" or "rgb"."""
+        return self.collection.observation
 
     @property
     def method(self) -> str:
-        """How the data was collected, or the control's name."""
-        return self.collection.method if self.collection else self.player
+        """How its data were collected."""
+        return self.collection.method
 
     @property
     def label(self) -> str:
         """One line that names the run to a reader."""
-        if self.collection is None:
-            return f"{self.task} {self.player}"
-        if self.player == "collector":
-            return f"{self.task} attempts, {self.collection.method}, {self.collection.expert} expert"
-        made = f"{self.collection.method} {self.collection.protocol} {self.collection.timesteps} {self.observation}"
-        return f"{self.task} {made} seed {self.seed}"
+        made = self.collection
+        return f"{self.task} {made.method} {made.protocol} {made.timesteps} {made.observation} seed {self.seed}"
+
+
+class ControlRun(_Run):
+    """Evaluate an agent that learnt nothing: a floor or a ceiling."""
+
+    kind: ClassVar[str] = "control"
+
+    agent: Literal["nothing", "random", "expert", "goal-blind"] = Field(alias="player")
+    collection: None = None
+    training: None = None
+
+    @model_validator(mode="after")
+    def _has_no_demonstrations(self) -> Self:
+        return self._no_policy()
+
+    @property
+    def observation(self) -> str:
+        """Nothing that matters: "none"."""
+        return "none"
+
+    @property
+    def method(self) -> str:
+        """The agent's name, which stands in the place of a method."""
+        return self.agent
+
+    @property
+    def label(self) -> str:
+        """One line that names the run to a reader."""
+        return f"{self.task} {self.agent}"
+
+
+class CollectionRun(_Run):
+    """Count attempts to demonstrate; `evaluation.episodes` says how many."""
+
+    kind: ClassVar[str] = "collector"
+
+    agent: Literal["collector"] = Field(default="collector", alias="player")
+    collection: Collection
+    training: None = None
+
+    @model_validator(mode="after")
+    def _one_task_and_method(self) -> Self:
+        if self.collection.method == "mixture":
+            raise ValueError("attempts of a mixture; allowed are those of each of its methods")
+        _same_task(self.task, self.collection)
+        return self._no_policy()
+
+    @property
+    def observation(self) -> str:
+        """What would be kept of each timestep."""
+        return self.collection.observation
+
+    @property
+    def method(self) -> str:
+        """How it collects."""
+        return self.collection.method
+
+    @property
+    def label(self) -> str:
+        """One line that names the run to a reader."""
+        return f"{self.task} attempts, {self.collection.method}, {self.collection.expert} expert"
+
+
+def _same_task(task: str, collection: Collection) -> None:
+    if collection.task != task:
+        raise ValueError(f"task {task!r} but a collection of {collection.task!r}")
+
+
+RunSpec = PolicyRun | ControlRun | CollectionRun
+_ANY: TypeAdapter[RunSpec] = TypeAdapter(Annotated[RunSpec, Field(discriminator="agent")])
+
+
+def run_spec_from_json(text: str) -> RunSpec:
+    """A run of whichever kind from the JSON that a result holds.
+
+    Raises:
+        pydantic.ValidationError: it is not a run, a ValueError.
+    """
+    return _ANY.validate_json(text)

@@ -16,7 +16,7 @@ from move.errors import BadInput
 from move.intervals import wilson_interval
 from move.study import run as running
 from move.study.results import Result, load, split
-from move.study.spec import RunSpec
+from move.study.spec import PolicyRun, RunSpec, run_spec_from_json
 
 LIKE = ("processor", "accelerator", "gl_renderer")  # of the provenance: where these differ, so may single episodes
 
@@ -25,7 +25,7 @@ def draw_sample(results: list[Result], sample: int, rng: np.random.Generator) ->
     """`sample` results at random, each run once, with one from pixels among them where there is any."""
     there = list({result.spec.hash: result for result in results}.values())
     order = [there[index] for index in rng.permutation(len(there))]
-    pixels = [result for result in order if result.spec.observation == "rgb" and result.spec.training][:1]
+    pixels = [result for result in order if result.spec.observation == "rgb" and isinstance(result.spec, PolicyRun)][:1]
     return (pixels + [result for result in order if result not in pixels])[:sample]
 
 
@@ -61,7 +61,7 @@ def _recompute(stored: Result) -> dict[str, Any]:
 def _elsewhere(stored: Result, again: Result) -> str:
     """What of the machine differs from the result's, in words; empty if nothing does."""
     names = [name for name in LIKE if stored.provenance.get(name) != again.provenance.get(name)]
-    if stored.training and stored.training["precision"] != again.training["precision"]:
+    if (stored.training or {}).get("precision") != (again.training or {}).get("precision"):
         names.append("precision")
     return ", ".join(names)
 
@@ -95,7 +95,7 @@ def check_files(folder: Path) -> list[dict[str, Any]]:
 
 def _check(path: Path) -> dict[str, Any]:
     try:
-        spec = RunSpec.model_validate_json(json.dumps(json.loads(path.read_text())["spec"]))
+        spec = run_spec_from_json(json.dumps(json.loads(path.read_text())["spec"]))
         if spec.hash != path.stem:
             raise BadInput(f"its spec has the hash {spec.hash}")
         load(spec, path.parent)

@@ -26,12 +26,12 @@ class MetaworldExpert:
     """Meta-World v3's scripted policy, given the observation it was written for."""
 
     def __init__(self, task: Task) -> None:
-        self.task, self.needs, self.policy = task, task.scripted_policy, ENV_POLICY_MAP[task.metaworld]()
+        self.task, self.needs, self.policy = task, task.scripted_policy, ENV_POLICY_MAP[task.metaworld]()  # type: ignore[abstract]  # the map holds whole ones
         self.reset()
 
     def reset(self) -> None:
         """Forget at which height the object started; the policy itself has no memory."""
-        self.height = None
+        self.height: float | None = None
 
     def action(self, scene: Scene) -> np.ndarray:
         """The next action in [-1, 1], shape (action_size,), float32."""

@@ -8,16 +8,17 @@ than mistaken for a loss; Meta-World's policies (`move.sim.experts.metaworld`) d
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Protocol
 
 import numpy as np
 
 from move.errors import BadInput
-from move.sim.configuration import Vector
+from move.sim.configuration import Vector, vector
 from move.sim.experts.metaworld import MetaworldExpert
 from move.sim.geometry import shifted, turned, wrapped
 from move.sim.scene.scene import YAW_STEP, Scene
-from move.sim.tasks.task import Task
+from move.sim.tasks.task import GraspParameters, PushParameters, Task
 from move.sim.tasks.transport import TransportState
 
 GAIN = 15.0  # action per metre of error
@@ -49,8 +50,8 @@ class GraspExpert:
     the gripper, it follows the object's yaw until it has closed.
     """
 
-    def __init__(self, task: Task) -> None:
-        self.task, self.parameters = task, task.manipulation
+    def __init__(self, task: Task, parameters: GraspParameters) -> None:
+        self.task, self.parameters = task, parameters
         self.offsets = (self.parameters.offset, *self.parameters.otherwise)
         self.reset()
 
@@ -61,14 +62,14 @@ class GraspExpert:
 
     def action(self, scene: Scene) -> np.ndarray:
         """The next action in [-1, 1], shape (action_size,), float32."""
-        hand, held = scene.hand.tolist(), scene.point(self.task.object_point).tolist()
+        hand, held = vector(scene.hand), vector(scene.point(self.task.object_point))
         grip = self._grip_point(scene, held)
         aside, above = math.dist(hand[:2], grip[:2]), hand[2] - held[2] - self.parameters.height
         turn = self._turn_to_object(scene)
         self._change_phase(aside, above, abs(turn) < ASKEW)
         if self.phase == "transport":
             waypoint = self.parameters.transport(scene, self.transport_state)
-            goal = [h + w - o for h, w, o in zip(hand, waypoint.goal, waypoint.held, strict=True)]
+            goal = vector(h + w - o for h, w, o in zip(hand, waypoint.goal, waypoint.held, strict=True))
             turn = waypoint.turn
         else:
             goal = self._goal(hand, held, grip, aside)
@@ -76,7 +77,7 @@ class GraspExpert:
         turns = [min(1.0, max(-1.0, turn / YAW_STEP))] if self.task.turns_gripper else []
         return np.array([*towards(goal, hand, GAIN), command, *turns], np.float32)
 
-    def _grip_point(self, scene: Scene, held: list[float]) -> Vector:
+    def _grip_point(self, scene: Scene, held: Vector) -> Vector:
         if not self.task.has_yaw:
             return shifted(held, self.offset)
         yaw = scene.object_yaw
@@ -108,7 +109,7 @@ class GraspExpert:
             if self.count > self.parameters.closing_steps:
                 self.phase = "transport"
 
-    def _goal(self, hand: list[float], held: list[float], grip: Vector, aside: float) -> Vector:
+    def _goal(self, hand: Vector, held: Vector, grip: Vector, aside: float) -> Vector:
         """Where the hand should go before the transport (metres)."""
         height = held[2] + self.parameters.height
         if self.phase == "close":
@@ -127,8 +128,8 @@ class PushExpert:
     A missed handle starts it over.
     """
 
-    def __init__(self, task: Task) -> None:
-        self.task, self.parameters = task, task.manipulation
+    def __init__(self, task: Task, parameters: PushParameters) -> None:
+        self.task, self.parameters = task, parameters
         self.reset()
 
     def reset(self) -> None:
@@ -137,7 +138,7 @@ class PushExpert:
 
     def action(self, scene: Scene) -> np.ndarray:
         """The next action in [-1, 1], shape (action_size,), float32."""
-        hand, handle = scene.hand.tolist(), scene.point(self.task.object_point).tolist()
+        hand, handle = vector(scene.hand), vector(scene.point(self.task.object_point))
         yaw = scene.body_yaw(self.parameters.frame)
         start = shifted(handle, self.parameters.offset, yaw)
         aside, above = math.dist(hand[:2], start[:2]), hand[2] - start[2]
@@ -158,7 +159,7 @@ class PushExpert:
             elif above < 0.015:
                 self.phase = "stroke"
 
-    def _goal(self, start: Vector, yaw: float, hand: list[float], aside: float) -> Vector:
+    def _goal(self, start: Vector, yaw: float, hand: Vector, aside: float) -> Vector:
         """Where the hand should go (metres)."""
         if self.phase == "stroke":
             return shifted(start, self.parameters.stroke, yaw)
@@ -172,10 +173,12 @@ class PushExpert:
 
 def phase_expert(task: Task) -> Expert:
     """The expert with phases: one that grasps, or one that works a handle."""
-    return GraspExpert(task) if task.grasps else PushExpert(task)
+    if isinstance(task.manipulation, GraspParameters):
+        return GraspExpert(task, task.manipulation)
+    return PushExpert(task, task.manipulation)
 
 
-EXPERTS = {"phase": phase_expert, "metaworld": MetaworldExpert}
+EXPERTS: dict[str, Callable[[Task], Expert]] = {"phase": phase_expert, "metaworld": MetaworldExpert}
 
 
 def make_expert(name: str, task: Task) -> Expert:

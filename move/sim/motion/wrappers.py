@@ -50,7 +50,7 @@ class Motion(gymnasium.Wrapper):
 
     def __init__(self, env: gymnasium.Env, maximum_speed: float) -> None:
         super().__init__(env)
-        self.scene: Scene = cast(Scene, env.unwrapped)
+        self.inner, self.scene = cast("Scene | Motion", env), cast(Scene, env.unwrapped)
         self.maximum_speed = maximum_speed
 
     def reset(self, **keywords: Any) -> tuple[np.ndarray, dict]:
@@ -70,7 +70,7 @@ class Motion(gymnasium.Wrapper):
         """Move this part, then advance without observing."""
         if self.moving():
             self._move()
-        self.env.advance(action)
+        self.inner.advance(action)
 
     def _move(self) -> None:
         wanted = self.placed(self.clock + self.sense)
@@ -229,8 +229,9 @@ def movable(task: Task, factors: str) -> tuple[Part, ...]:
     >>> movable(get_task("pick-place"), "all")
     ('object', 'target', 'camera')
     """
-    able = {"object": True, "rotation": task.has_yaw, "target": task.has_target and "target" in FACTORS[factors],
-            "camera": "camera" in FACTORS[factors]}
+    able: dict[Part, bool] = {
+        "object": True, "rotation": task.has_yaw, "target": task.has_target and "target" in FACTORS[factors],
+        "camera": "camera" in FACTORS[factors]}
     return tuple(part for part in able if able[part])
 
 

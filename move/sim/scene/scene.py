@@ -11,7 +11,7 @@ import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
-from typing import Any
+from typing import Any, get_args
 
 import gymnasium
 import mujoco
@@ -21,12 +21,12 @@ from gymnasium.spaces import Box as BoxSpace
 from move.errors import BadInput
 from move.sim.configuration import SpatialConfiguration, Vector, vector
 from move.sim.geometry import limited
-from move.sim.observe import keypoint_names, keypoint_slices, keypoints
+from move.sim.observe import IMAGE_SIZE, ObservationKind, keypoint_names, keypoint_slices, keypoints
 from move.sim.scene.scene_state import Readable
 from move.sim.scene.shared_model import LEFT, OBJECT, PALM, RIGHT, shared_world, stands
 from move.sim.tasks import DEFAULT_TASK, Task, get_task
 
-OBSERVATIONS = ("keypoints", "rgb")
+OBSERVATIONS: tuple[str, ...] = get_args(ObservationKind)
 EPISODE_STEPS = 200  # the authors' limit
 SUCCESS_STEPS = 10  # an episode ends after this many successful steps (the authors' rule)
 HAND_STEP = 0.01  # metres that the hand's goal moves for an action of 1
@@ -60,7 +60,7 @@ class Scene(Readable, gymnasium.Env):
 
     metadata = {"render_modes": ["rgb_array"], "render_fps": 80}
 
-    def __init__(self, task: str | Task = DEFAULT_TASK, observation: str = "keypoints", image_size: int = 96,
+    def __init__(self, task: str | Task = DEFAULT_TASK, observation: str = "keypoints", image_size: int = IMAGE_SIZE,
                  render_mode: str | None = None) -> None:
         if observation not in OBSERVATIONS:
             raise BadInput(f"observation: {observation!r} given; allowed are {', '.join(OBSERVATIONS)}")

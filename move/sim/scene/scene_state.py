@@ -30,6 +30,7 @@ class Readable:
     def __init__(self, task: Task, world: World, target: np.ndarray) -> None:
         self.task, self._world, self._model = task, world, world.model
         self._data = mujoco.MjData(world.model)
+        self._orientations: dict[str, np.ndarray] = {}
         self._points: dict[str, np.ndarray | Callable[[], np.ndarray]] = {"target": target}
         self._touching: dict[str, frozenset[int]] = {}
 
@@ -56,10 +57,9 @@ class Readable:
 
     def _orientation(self, body: str) -> np.ndarray:
         """Rotation matrix of a body, nine numbers row by row; a live view."""
-        name = f"orientation:{body}"
-        if name not in self._points:
-            self._points[name] = self._data.xmat[self._model.body(body).id]
-        return self._points[name]
+        if body not in self._orientations:
+            self._orientations[body] = self._data.xmat[self._model.body(body).id]
+        return self._orientations[body]
 
     def joint(self, name: str) -> float:
         """Position of a named hinge or slide, radians or metres."""

@@ -43,7 +43,7 @@ def table_recipe(
         base = partial(policy_run, profile, task="pick-place", method="static", seed=0, protocol=protocol,
                        factors=factors)
         runs += grid(base, timesteps=[budget], change=changes)
-    own = Evaluation(layout="own", episodes=episodes)
+    own = Evaluation(starts="own", episodes=episodes)
     return distinct(run.tried(own) for run in runs)  # a change may be none in this profile
 
 

@@ -6,13 +6,14 @@ from functools import partial
 
 from move.paper import PAPER_METHODS, PAPER_TASKS
 from move.sim.experts.phase import EXPERTS
+from move.sim.observe import IMAGE_SIZE
 from move.study.experiments.floors import floors_and_ceilings
 from move.study.experiments.registry import Count, experiment
 from move.study.kinds import collector_run, policy_run
 from move.study.labels import LabelledRun, grid
 from move.study.profiles import Profile
 
-UNUSED_IMAGE_SIZE = 96  # enters the hashes of these runs from keypoints, whatever the profile's is
+UNUSED_IMAGE_SIZE = IMAGE_SIZE  # enters the hashes of these runs from keypoints, whatever the profile's is
 
 
 @experiment

@@ -13,5 +13,5 @@ from move.study.labels import LabelledRun, grid
 def floors_and_ceilings(tasks: Iterable[str], episodes: int) -> list[LabelledRun]:
     """Of each task: doing nothing, random actions, the expert, and with a goal the expert told a wrong one."""
     base = partial(control_run, episodes=episodes)
-    players = {task: ["nothing", "random", "expert"] + ["goal-blind"] * get_task(task).has_target for task in tasks}
-    return [run for task, those in players.items() for run in grid(base, task=[task], player=those)]
+    agents = {task: ["nothing", "random", "expert"] + ["goal-blind"] * get_task(task).has_target for task in tasks}
+    return [run for task, those in agents.items() for run in grid(base, task=[task], agent=those)]

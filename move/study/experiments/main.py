@@ -13,6 +13,7 @@ from move.study.experiments.registry import Count, Observation, Seeds, experimen
 from move.study.kinds import policy_run
 from move.study.labels import LabelledRun, grid
 from move.study.profiles import Profile
+from move.study.spec import PolicyRun
 
 
 @experiment
@@ -44,13 +45,14 @@ def generalization(
     """
     runs = grid(partial(policy_run, profile, episodes=episodes), seed=seeds, task=budgets(tasks, most_timesteps),
                 method=methods)
-    moving = Evaluation(layout="moving", episodes=episodes)
+    moving = Evaluation(starts="moving", episodes=episodes)
     return runs + [run.tried(tried) for run in runs for tried in (_own(run, own_episodes), moving)]
 
 
 def _own(run: LabelledRun, episodes: int) -> Evaluation:
+    assert isinstance(run.spec, PolicyRun)
     sure = max(1, run.spec.collection.timesteps // EPISODE_STEPS)
-    return Evaluation(layout="grasp", episodes=min(episodes, sure))
+    return Evaluation(starts="grasp", episodes=min(episodes, sure))
 
 
 @experiment

@@ -58,7 +58,7 @@ def _grasp_points(
 ) -> list[LabelledRun]:
     points = "none" if protocol == "dense" else protocol  # dense: every demonstration has a point of its own
     base = partial(policy_run, profile, task="pick-place", observation=observation, factors="object",
-                   protocol=protocol, layout="grid", grid_side=grid_side, points=points)
+                   protocol=protocol, starts="grid", grid_side=grid_side, points=points)
     return grid(base, timesteps=[timesteps], hand_spread=[hand_spread], seed=range(seeds), method=COMPARED)
 
 
