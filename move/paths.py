@@ -20,7 +20,7 @@ REALWORLD = BUILD / "realworld"  # real-robot data: what was fetched, and the si
 
 def results(profile: Profile) -> Path:
     """Where a profile's results are: one JSON file a run. A stamped profile's prove nothing and stay out of git."""
-    return (BUILD if profile.stamp else ROOT) / "results" / profile.name
+    return (BUILD if profile.stamp else ROOT) / "results" / (profile.shares_results or profile.name)
 
 
 def figures(profile: Profile) -> Path:

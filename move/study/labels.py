@@ -25,6 +25,10 @@ class LabelledRun:
     spec: RunSpec
     labels: Mapping[str, Label] = field(default_factory=dict, hash=False)
 
+    def labelled(self, **labels: Label) -> LabelledRun:
+        """The same run with more labels, or others in their place."""
+        return LabelledRun(self.spec, {**self.labels, **labels})
+
     def tried(self, evaluation: Evaluation) -> LabelledRun:
         """The same policy under the same labels, tried on other configurations."""
         return LabelledRun(self.spec.model_copy(update={"evaluation": evaluation}), self.labels)

@@ -30,6 +30,9 @@ class Profile(BaseModel):
         "of git"
     )
     shipped: bool = Field(default=False, description="whether its figures and tables are those in git")
+    shares_results: str = Field(
+        default="", description="the profile in whose folder its results are kept; left out: in its own"
+    )
     image_size: int = Field(default=IMAGE_SIZE, ge=16, le=512, description="pixels along a side")
     collection: dict[Method, dict[str, Any]] = Field(
         default_factory=dict, description="by method: fields of Collection that its runs have where an experiment "

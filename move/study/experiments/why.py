@@ -1,4 +1,4 @@
-"""Why it works, on Pick-Place: how much of the data must move, and equal demonstrations in place of timesteps."""
+"""Why it works, on Pick-Place: perception given or not, how much must move, equal demonstrations for timesteps."""
 
 from __future__ import annotations
 
@@ -7,12 +7,39 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
-from move.study.experiments.registry import Count, Seeds, experiment
+from move.study.experiments.preliminary import fig1_sparse, fig3_dense, fig5_circle, table1_spatial_factors
+from move.study.experiments.registry import Count, Observation, Seeds, experiment
 from move.study.kinds import policy_run
 from move.study.labels import LabelledRun, grid
 from move.study.profiles import Profile
 
+PRELIMINARY = {"figure 1": fig1_sparse, "figure 3": fig3_dense, "figure 5": fig5_circle}
 Share = Annotated[float, Field(ge=0, le=1, allow_inf_nan=False)]
+
+
+@experiment
+def fig_perception(
+    profile: Profile, timesteps: Count = 7000, table_timesteps: Count = 20_000, seeds: Count = 5,
+    fewer_seeds: Count = 3, grid_side: Count = 12, episodes: Count = 100, observations: tuple[Observation, ...] = ("rgb", "keypoints"),
+) -> list[LabelledRun]:
+    """Figures 1, 3 and 5 and table 1 from pixels and with perception given: what is left of the effect.
+
+    The label `experiment` is such as "figure 1" or "table 1, all". Observations without a recipe in the profile are
+    left out.
+
+    Args:
+        fewer_seeds: of figure 3 and of table 1.
+    """
+    runs: list[LabelledRun] = []
+    for observation in [name for name in observations if name in profile.training]:
+        for name, figure in PRELIMINARY.items():
+            dense = figure is fig3_dense
+            runs += [run.labelled(experiment=name) for run in figure(
+                profile, observation=observation, timesteps=(timesteps,) if dense else timesteps,
+                seeds=fewer_seeds if dense else seeds, identical_starts=0, grid_side=grid_side)]
+        runs += [run.labelled(experiment=f"table 1, {run.labels['factors']}") for run in table1_spatial_factors(
+            profile, observation=observation, timesteps=table_timesteps, seeds=fewer_seeds, episodes=episodes)]
+    return runs
 
 
 @experiment
