@@ -33,8 +33,8 @@ from move.study.experiments.registry import EXPERIMENTS, experiment, parameters,
 
 __all__ = [
     "EXPERIMENTS", "HAND_SPREAD", "RECIPE_CHANGES", "equal_demonstrations", "experiment", "fig1_sparse",
-    "fig3_dense", "fig4_scaling", "fig5_circle", "fig6_dimensions", "fig7_speed", "fig_mixture", "fig_perception", "fig_training_length",
-    "generalization", "keypoint_control", "parameters", "rollouts", "runs", "specs",
-    "table1_spatial_factors", "table2_main", "table6_collection", "table_adc", "table_keypoint_control",
-    "table_recipe",
+    "fig3_dense", "fig4_scaling", "fig5_circle", "fig6_dimensions", "fig7_speed", "fig_mixture",
+    "fig_perception", "fig_training_length", "generalization", "keypoint_control", "parameters", "rollouts",
+    "runs", "specs", "table1_spatial_factors", "table2_main", "table6_collection", "table_adc",
+    "table_keypoint_control", "table_recipe",
 ]

@@ -20,7 +20,8 @@ Share = Annotated[float, Field(ge=0, le=1, allow_inf_nan=False)]
 @experiment
 def fig_perception(
     profile: Profile, timesteps: Count = 7000, table_timesteps: Count = 20_000, seeds: Count = 5,
-    fewer_seeds: Count = 3, grid_side: Count = 12, episodes: Count = 100, observations: tuple[Observation, ...] = ("rgb", "keypoints"),
+    fewer_seeds: Count = 3, grid_side: Count = 12, episodes: Count = 100,
+    observations: tuple[Observation, ...] = ("rgb", "keypoints"),
 ) -> list[LabelledRun]:
     """Figures 1, 3 and 5 and table 1 from pixels and with perception given: what is left of the effect.
 
