@@ -56,6 +56,14 @@ def test_the_share_counts_cells_once():
     assert coverage.visited_share(rows, TASK, "camera") == 3 / 20
 
 
+def test_joint_cells_hold_a_position_from_an_angle():
+    low, high = TASK.object_range.low, TASK.object_range.high
+    rows = pd.DataFrame({"phase": ["pick"] * 3 + ["place"], "object_x": [low[0], low[0], high[0], high[0]],
+                         "object_y": [low[1], low[1], high[1], high[1]], "camera_angle": [0.0, 3.1, 0.0, 3.1]})
+    assert coverage.visited_joint_share(rows, TASK, side=2, angles=2) == 3 / 8  # of four; the last one is in the hand
+    assert coverage.visited_joint_share(rows[:1], TASK, side=2, angles=2) == 1 / 8
+
+
 def test_moving_scenes_cover_more(seen):
     for part in coverage.PARTS:
         shares = {method: coverage.visited_share(rows, TASK, part) for method, rows in seen.items()}

@@ -68,15 +68,37 @@ def configurations(collection: Collection, seed: int) -> pd.DataFrame:
 def visited_share(seen: pd.DataFrame, task: Task, part: str) -> float:
     """Share of the cells of `part` ("object", "target" or "camera") that at least one row of `seen` lies in.
 
-    Places are divided into 10 x 10 cells of the range in the plane, the camera's range into 20. The object counts
+    Positions are divided into 10 x 10 cells of the range in the plane, the camera's range into 20. The object counts
     while it lies on the table (pick phase); afterwards the hand has it.
     """
     if part == "camera":
-        low, high = task.camera_range
-        cells = np.floor((seen.camera_angle - low) / (high - low) * ANGLES).clip(0, ANGLES - 1)
-        return cells.nunique() / ANGLES
-    rows = seen[seen.phase == "pick"] if part == "object" else seen
+        return len(set(_angle_cells(seen, task, ANGLES))) / ANGLES
+    rows = _on_the_table(seen) if part == "object" else seen
+    return len(set(_plane_cells(rows, task, part, SIDE))) / SIDE**2
+
+
+def visited_joint_share(seen: pd.DataFrame, task: Task, side: int = 5, angles: int = 10) -> float:
+    """Share of the joint cells of object position and camera angle, side x side x angles, that `seen` lies in.
+
+    As in `visited_share` the object counts in the pick phase. Seeing an object from everywhere and having it
+    everywhere is less than having each position from each angle.
+    """
+    rows = _on_the_table(seen)
+    joint = zip(_plane_cells(rows, task, "object", side), _angle_cells(rows, task, angles), strict=True)
+    return len(set(joint)) / (side**2 * angles)
+
+
+def _on_the_table(seen: pd.DataFrame) -> pd.DataFrame:
+    return seen[seen.phase == "pick"]
+
+
+def _angle_cells(seen: pd.DataFrame, task: Task, angles: int) -> list[float]:
+    low, high = task.camera_range
+    return np.floor((seen.camera_angle - low) / (high - low) * angles).clip(0, angles - 1).tolist()
+
+
+def _plane_cells(seen: pd.DataFrame, task: Task, part: str, side: int) -> list[tuple[float, float]]:
     box = task.object_range if part == "object" else task.target_range
-    x, y = (np.floor((rows[f"{part}_{axis}"] - box.low[index]) / (box.high[index] - box.low[index]) * SIDE)
-            .clip(0, SIDE - 1) for index, axis in enumerate("xy"))
-    return len(set(zip(x, y, strict=True))) / SIDE**2
+    x, y = (np.floor((seen[f"{part}_{axis}"] - box.low[index]) / (box.high[index] - box.low[index]) * side)
+            .clip(0, side - 1) for index, axis in enumerate("xy"))
+    return list(zip(x, y, strict=True))

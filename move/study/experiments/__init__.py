@@ -6,7 +6,7 @@ ablations.py    the recipe for pictures, one change at a time; how long one trai
 controls.py     from keypoints; what a demonstration costs
 scaling.py      figure 4: success against timesteps
 dimensions.py   figures 6 and 7: what moves, and how fast
-why.py          perception given or not; mixtures of static and MOVE; as many demonstrations in place of timesteps
+why.py          perception given or not; coverage; mixtures; equal demonstrations for timesteps
 floors.py       floors and ceilings
 budgets.py      tasks with the paper's budgets
 registry.py     `@experiment`, and an experiment's runs by its name
@@ -26,14 +26,14 @@ from move.study.experiments.preliminary import (
 from move.study.experiments.main import generalization, rollouts, table2_main
 from move.study.experiments.scaling import fig4_scaling
 from move.study.experiments.dimensions import fig6_dimensions, fig7_speed
-from move.study.experiments.why import equal_demonstrations, fig_mixture, fig_perception
+from move.study.experiments.why import equal_demonstrations, fig_coverage, fig_mixture, fig_perception
 from move.study.experiments.ablations import RECIPE_CHANGES, fig_training_length, table_adc, table_recipe
 from move.study.experiments.controls import keypoint_control, table6_collection, table_keypoint_control
 from move.study.experiments.registry import EXPERIMENTS, experiment, parameters, runs, specs
 
 __all__ = [
     "EXPERIMENTS", "HAND_SPREAD", "RECIPE_CHANGES", "equal_demonstrations", "experiment", "fig1_sparse",
-    "fig3_dense", "fig4_scaling", "fig5_circle", "fig6_dimensions", "fig7_speed", "fig_mixture",
+    "fig3_dense", "fig4_scaling", "fig5_circle", "fig6_dimensions", "fig7_speed", "fig_coverage", "fig_mixture",
     "fig_perception", "fig_training_length", "generalization", "keypoint_control", "parameters", "rollouts",
     "runs", "specs", "table1_spatial_factors", "table2_main", "table6_collection", "table_adc",
     "table_keypoint_control", "table_recipe",

@@ -1,4 +1,4 @@
-"""Why it works, on Pick-Place: perception given or not, how much must move, equal demonstrations for timesteps."""
+"""Why it works: perception given or not, coverage, how much must move, equal demonstrations for timesteps."""
 
 from __future__ import annotations
 
@@ -7,10 +7,13 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
+from move.paper import PAPER_TASKS
+from move.study.experiments.budgets import budgets
+from move.study.experiments.dimensions import fig6_dimensions
 from move.study.experiments.preliminary import fig1_sparse, fig3_dense, fig5_circle, table1_spatial_factors
 from move.study.experiments.registry import Count, Observation, Seeds, experiment
 from move.study.kinds import policy_run
-from move.study.labels import LabelledRun, grid
+from move.study.labels import LabelledRun, distinct, grid
 from move.study.profiles import Profile
 
 PRELIMINARY = {"figure 1": fig1_sparse, "figure 3": fig3_dense, "figure 5": fig5_circle}
@@ -41,6 +44,25 @@ def fig_perception(
         runs += [run.labelled(experiment=f"table 1, {run.labels['factors']}") for run in table1_spatial_factors(
             profile, observation=observation, timesteps=table_timesteps, seeds=fewer_seeds, episodes=episodes)]
     return runs
+
+
+@experiment
+def fig_coverage(
+    profile: Profile, tasks: tuple[str, ...] = PAPER_TASKS,
+    dimension_tasks: tuple[str, ...] = ("pick-place", "assembly"),
+    seeds: Seeds = 3, episodes: Count = 100, most_timesteps: Count = 20_000,
+) -> list[LabelledRun]:
+    """Policies of table 2 from pixels, and of figure 6 on some tasks: their success, against what their data cover.
+
+    Labels `task` and `moves`: what moves in the demonstrations, "nothing", "jumps" for ADC, or "all" for MOVE.
+    """
+    base = partial(policy_run, profile, episodes=episodes)
+    methods = {"nothing": "static", "jumps": "adc", "all": "move"}
+    runs = grid(base, seed=range(seeds), task=budgets(tasks, most_timesteps),
+                moves={name: {"method": method} for name, method in methods.items()})
+    return distinct(runs + fig6_dimensions(
+        profile, tasks=dimension_tasks, alone_tasks=[task for task in dimension_tasks if task == "pick-place"],
+        seeds=seeds, episodes=episodes, most_timesteps=most_timesteps))
 
 
 @experiment
