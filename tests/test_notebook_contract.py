@@ -16,7 +16,9 @@ from move.study.profiles import load_profile  # noqa: E402
 from move.study.results import Result, table  # noqa: E402
 from move.study.spec import ControlRun, PolicyRun  # noqa: E402
 
-SHOWN = {"rollouts": {"frames", "image_size", "seed"}}  # how a notebook shows its runs
+SHOWN = {  # how a notebook shows its runs
+    "fig_coverage": {"covered_timesteps"}, "rollouts": {"frames", "image_size", "seed"},
+}
 
 
 @pytest.mark.parametrize("name", EXPERIMENTS)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-import numpy as np
 import pandas as pd
 from scipy import stats
 
@@ -30,7 +29,7 @@ def coverage_table(
         episodes: of the same results.
         on_cell: called with (cells done, cells in all).
     """
-    first = {(result.labels["task"], result.labels["moves"]): result.spec for result in reversed(results)
+    first = {(result.spec.task, result.labels["moves"]): result.spec for result in reversed(results)
              if isinstance(result.spec, PolicyRun)}
     shares = []
     for (task, moves), spec in first.items():

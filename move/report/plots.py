@@ -371,3 +371,22 @@ def verdicts(table: pd.DataFrame, order: Sequence[str], ax: Axes) -> None:
     ax.set_yticks(range(len(order)), order)
     ax.invert_yaxis()
     ax.set_xlabel("claims of the paper")
+
+
+def covered(table: pd.DataFrame, column: str, ax: Axes) -> None:
+    """Success against the share of cells in `column`, one mark a task and what moves; a line joins those of a task.
+
+    Args:
+        table: as `move.report.covered.coverage_table` gives it.
+    """
+    for _, rows in table.groupby("task", sort=False):
+        rows = rows.sort_values(column)
+        ax.plot(rows[column], rows.value, color="#bbbbbb", lw=0.7, zorder=1)
+    for method, rows in table.groupby("method", sort=False):
+        part = ~rows.moves.isin(["nothing", "jumps", "all"])
+        ax.errorbar(rows[column], rows.value, [rows.value - rows.low, rows.high - rows.value], fmt="none", lw=0.6,
+                    ecolor=COLOURS[method], alpha=0.5, zorder=2)
+        for shown, marker, name in ((rows[~part], "o", NAMES[method]), (rows[part], "^", f"{NAMES[method]}, in part")):
+            if len(shown):
+                ax.plot(shown[column], shown.value, marker, ms=4, color=COLOURS[method], label=name, zorder=3)
+    ax.set(xlabel=f"share of {column} cells visited", xlim=(-0.02, 1.02), ylim=(-0.03, 1.03))
