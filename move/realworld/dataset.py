@@ -15,7 +15,7 @@ from move.realworld.detect import detect, list_folder
 from move.realworld.episode import EpisodeRef, Part, Recording, RobotEpisode, method_of
 from move.realworld.formats import LAYOUTS
 from move.realworld.units import UnitRow, convert, detect_units, read_units_file, units_table
-from move.realworld.untrusted_names import read_json
+from move.untrusted import read_json
 
 # A file of this name at the root of a data set says that no robot was involved.
 SIMULATED = "SIMULATED.json"

@@ -15,7 +15,7 @@ import h5py
 import numpy as np
 
 from move.errors import BadInput
-from move.realworld.untrusted_names import reading
+from move.untrusted import reading
 
 Image = np.ndarray | bytes
 

@@ -21,7 +21,7 @@ from scipy import stats
 from move.errors import BadInput
 from move.intervals import exact_interval
 from move.paper import PAPER_METHODS, REAL_POINTS
-from move.realworld.untrusted_names import reading
+from move.untrusted import reading
 
 COLUMNS = ("trial", "method", "position_x_m", "position_y_m", "score")
 FARTHEST_M = 1.5  # beyond the arm's reach in any case; catches centimetres

@@ -18,7 +18,8 @@ from move.errors import BadInput
 from move.realworld.episode import EpisodeRef, Part, Recording, make_recording
 from move.realworld.frames import Frames, from_files, from_hdf5
 from move.realworld.state_columns import busiest, split_columns
-from move.realworld.untrusted_names import inside, reading
+from move.realworld.untrusted_names import inside
+from move.untrusted import reading
 
 SUFFIXES = (".hdf5", ".h5")
 ROBOMIND_HZ = 10.0  # no timestamps in the file; the rate its own tools assume

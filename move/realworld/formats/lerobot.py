@@ -12,7 +12,8 @@ from move.errors import BadInput
 from move.realworld.episode import EpisodeRef, Part, Recording, make_recording
 from move.realworld.frames import Frames, from_bytes, from_files
 from move.realworld.state_columns import busiest, flat_names, split_columns, unit_hints
-from move.realworld.untrusted_names import inside, read_json
+from move.realworld.untrusted_names import inside
+from move.untrusted import read_json
 
 STATE = ("observation.state", "observation.states", "states", "state")
 ACTION = ("action", "actions")

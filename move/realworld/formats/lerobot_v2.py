@@ -16,7 +16,8 @@ import pyarrow.parquet as pq
 from move.realworld.episode import EpisodeRef, Part, Recording
 from move.realworld.formats import lerobot
 from move.realworld.frames import Frames, from_video
-from move.realworld.untrusted_names import fill_template, inside, reading
+from move.realworld.untrusted_names import fill_template, inside
+from move.untrusted import reading
 
 DATA = "data/chunk-{episode_chunk:03d}/episode_{episode_index:06d}.parquet"
 VIDEO = "videos/chunk-{episode_chunk:03d}/{video_key}/episode_{episode_index:06d}.mp4"

@@ -17,7 +17,8 @@ import pyarrow.parquet as pq
 from move.realworld.episode import EpisodeRef, Part, Recording
 from move.realworld.formats import lerobot
 from move.realworld.frames import from_video
-from move.realworld.untrusted_names import fill_template, inside, reading
+from move.realworld.untrusted_names import fill_template, inside
+from move.untrusted import reading
 
 DATA = "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
 VIDEO = "videos/{video_key}/chunk-{chunk_index:03d}/file-{file_index:03d}.mp4"

@@ -23,7 +23,8 @@ from move.realworld.episode import EpisodeRef, Part, Recording, make_recording
 from move.realworld.formats.hdf5 import PIKA_ARMS, PIKA_GRIPPERS, natural
 from move.realworld.frames import from_files
 from move.realworld.state_columns import POSE
-from move.realworld.untrusted_names import inside, reading
+from move.realworld.untrusted_names import inside
+from move.untrusted import reading
 
 
 def metadata(files: Sequence[str]) -> list[str]:

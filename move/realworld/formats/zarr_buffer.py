@@ -22,7 +22,8 @@ import zarr
 from move.errors import BadInput
 from move.realworld.episode import EpisodeRef, Part, Recording, make_recording
 from move.realworld.frames import Frames, from_video
-from move.realworld.untrusted_names import inside, reading
+from move.realworld.untrusted_names import inside
+from move.untrusted import reading
 
 JOINTS, POSE = ("robot_joint", "joint", "joints", "qpos"), ("robot_eef_pose", "eef_pose", "end_pose")
 GRIPPER, TIME = ("robot_gripper", "gripper", "gripper_width"), ("timestamp", "timestamps")
