@@ -32,12 +32,24 @@ def safe_name(name: str, where: str) -> str:
     return name
 
 
+def is_hidden(name: str) -> bool:
+    """Whether a file lies in a folder whose name begins with a dot: such folders are no part of a data set.
+
+    >>> is_hidden(".git/config"), is_hidden("data/action/.zarray")
+    (True, False)
+    """
+    return any(step.startswith(".") for step in PurePosixPath(name).parts[:-1])
+
+
 def inside(root: Path, name: str) -> Path:
     """Return `root / name` for a name that stays inside `root`.
 
     Raises:
-        BadInput: the name would leave `root`.
+        BadInput: the name would leave `root`, or leads through a hidden folder.
     """
+    if is_hidden(str(name)) and ".." not in PurePosixPath(name).parts:
+        raise BadInput(f"file name {str(name)[:80]!r} in {root} leads through a hidden folder, which is no part of a "
+                       "data set")
     return root / safe_name(str(name), str(root))
 
 
@@ -54,7 +66,10 @@ def fill_template(template: str, values: Mapping[str, int | str], where: str) ->
         field, width = match.group(1), match.group(2)
         if field not in _FIELDS or field not in values:
             raise BadInput(f"path template {template!r} in {where} uses {field!r}; allowed: {sorted(_FIELDS)}")
-        return f"{values[field]:0{int(width)}d}" if width else str(values[field])
+        value = values[field]
+        if width and not isinstance(value, int):
+            raise BadInput(f"path template {template!r} in {where} wants {field!r} as a number; it is a name")
+        return f"{value:0{int(width)}d}" if width else str(value)
 
     filled = _FIELD.sub(fill, template)
     if "{" in filled or "}" in filled:
