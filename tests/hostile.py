@@ -22,7 +22,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import real_writers as w
 import zarr
-from numcodecs import Zstd
+from numcodecs import Blosc, Zstd
 
 Attack = tuple[str, Callable[[Path], Path]]
 REAL: dict[str, Attack] = {}
@@ -68,7 +68,8 @@ def with_video(folder: Path) -> Path:
 
 for part_name, writer, part in (
         ("parquet", w.lerobot_v2, TABLE), ("data folder", w.lerobot_v2, "data"),
-        ("info.json", w.lerobot_v2, "meta/info.json"), ("video", with_video, VIDEO), ("hdf5", w.act_hdf5, "episode_0.hdf5"),
+        ("info.json", w.lerobot_v2, "meta/info.json"), ("video", with_video, VIDEO),
+        ("hdf5", w.act_hdf5, "episode_0.hdf5"),
         ("zarr array", w.zarr_buffer, "replay_buffer.zarr/data/action"),
         ("zarr chunk", w.zarr_buffer, "replay_buffer.zarr/data/action/0.0"),
         ("pika sensor", w.pika_tree, "episode0/arm/jointState/puppet"),
@@ -327,17 +328,12 @@ def parquet_of_three_million_rows(folder):
     return table(folder, {"action": np.zeros(3_000_000, np.int8)})
 
 
-@hostile("memory bytes")
-def parquet_row_of_many_numbers(folder):
-    return table(folder, {"action": one_row_of_many(130_000_000)})
-
-
 @hostile("columns")
 def parquet_row_of_10000_numbers(folder):
     return table(folder, {"action": one_row_of_many(10_000)})
 
 
-@hostile("expected numbers")
+@hostile("holds none of")
 def parquet_texts_for_numbers(folder):
     return table(folder, {"observation.state": ["1", "2"], "action": [["x"], ["y"]]})
 
@@ -402,8 +398,8 @@ def png(width: int, height: int, rows: int) -> bytes:
         return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
 
     head = struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0)
-    return b"\x89PNG\r\n\x1a\n" + piece(b"IHDR", head) + piece(b"IDAT", zlib.compress(bytes((width + 1) * rows))) + piece(
-        b"IEND", b"")
+    data = zlib.compress(bytes((width + 1) * rows))
+    return b"\x89PNG\r\n\x1a\n" + piece(b"IHDR", head) + piece(b"IDAT", data) + piece(b"IEND", b"")
 
 
 @hostile("expected")
@@ -477,7 +473,8 @@ def store(folder: Path, **arrays: np.ndarray) -> Path:
     folder.mkdir(parents=True)
     group = zarr.create_group(folder / "replay_buffer.zarr", zarr_format=2)
     for name, values in given.items():
-        group.create_array(f"data/{name}", data=values, chunks=values.shape, config={"write_empty_chunks": True})
+        group.create_array(f"data/{name}", data=values, chunks=tuple(max(1, n) for n in values.shape),
+                           config={"write_empty_chunks": True})
     group.create_array("meta/episode_ends", data=np.array([4, 6]))
     return folder / "replay_buffer.zarr"
 
@@ -502,7 +499,8 @@ ZARR = {
     "no data type": ({"dtype": "nonsense"}, "data type"), "texts": ({"dtype": "<U9"}, "data type"),
     "the pickle codec": ({"compressor": {"id": "pickle"}}, "codecs pickle"),
     "vlen and pickle": ({"filters": [{"id": "vlen-utf8"}], "compressor": {"id": "pickle"}}, "codecs vlen-utf8"),
-    "gzip": ({"compressor": {"id": "gzip", "level": 1}}, "codecs gzip"), "codec a text": ({"compressor": "x"}, "codecs x"),
+    "gzip": ({"compressor": {"id": "gzip", "level": 1}}, "codecs gzip"),
+    "codec a text": ({"compressor": "x"}, "codecs x"),
     "filter a number": ({"filters": 5}, "codecs 5"),
 }
 for zarr_name, (zarr_change, zarr_word) in ZARR.items():
@@ -525,7 +523,7 @@ def the_pickle_codec_in_other_letters(folder):
     return path
 
 
-@both("codecs bytes, sharding_indexed")
+@both("codecs sharding_indexed")
 def format_3_with_another_codec(folder):
     w.zarr_buffer(folder, zarr_format=3)
     place = folder / "replay_buffer.zarr/data/action/zarr.json"
@@ -545,13 +543,13 @@ def two_descriptions(folder):
 @both("decodes to")
 def chunk_that_is_more_than_it_says(folder):
     path = store(folder)
-    (path / "data/action/0.0").write_bytes(Zstd().encode(bytes(10**8)))
+    (path / "data/action/0.0").write_bytes(Blosc(cname="zstd").encode(bytes(10**6)))
     return path
 
 
 @both("decodes to")
 def chunk_of_two_frames(folder):
-    path = store(folder)
+    path = described(compressor={"id": "zstd", "level": 0})(folder)
     (path / "data/action/0.0").write_bytes(Zstd().encode(bytes(96)) + Zstd().encode(bytes(10**8)))
     return path
 
@@ -676,7 +674,7 @@ def four_million_columns_in_29_kB(folder):
     about |= {"shape": [60, 4_000_000], "chunks": [4, 4_000_000]}
     (path / "data/keypoints/.zarray").write_text(json.dumps(about))
     for number in range(15):
-        (path / f"data/keypoints/{number}.0").write_bytes(Zstd().encode(bytes(64_000_000)))
+        (path / f"data/keypoints/{number}.0").write_bytes(Blosc(cname="zstd").encode(bytes(64_000_000)))
     return path
 
 

@@ -161,7 +161,7 @@ def _judged(rows: Iterable[tuple[object, object]], where: str) -> tuple[RemoteFi
     Raises:
         BadInput: no file at all, too many, a name that leaves the folder, or a value of the wrong type.
     """
-    files = []
+    files: list[RemoteFile] = []
     for path, size in rows:
         within("files", len(files) + 1, f"{where}: its listing")
         if not isinstance(path, str) or type(size) is not int or size < 0:
@@ -226,12 +226,13 @@ def fetch(remote: Remote, names: Sequence[str], *, size_cap_gb: float, say: Say 
 
     def one(name: str) -> str:
         with plainly(remote.repo_id, remote.revision, api.endpoint):
-            about = {"repo_type": "dataset", "revision": remote.revision, "local_dir": remote.folder}
-            announced = api.hf_hub_download(remote.repo_id, name, **about, dry_run=True).file_size
+            announced = api.hf_hub_download(remote.repo_id, name, repo_type="dataset", revision=remote.revision,
+                                            local_dir=remote.folder, dry_run=True).file_size
             if announced != sizes[name]:  # a listing that lies would get round the cap
                 raise BadInput(f"{remote.repo_id}@{remote.revision[:8]} ({api.endpoint}): {name} has {announced:,} "
                                f"bytes, its listing says {sizes[name]:,}")
-            api.hf_hub_download(remote.repo_id, name, **about)
+            api.hf_hub_download(remote.repo_id, name, repo_type="dataset", revision=remote.revision,
+                                local_dir=remote.folder)
         return name
 
     pool = ThreadPoolExecutor(WORKERS)
