@@ -152,7 +152,8 @@ def parse_json(text: str | bytes, where: object) -> dict[str, Any]:
         content = json.loads(text)
         if not isinstance(content, dict):
             raise BadInput(f"cannot read {where}: expected a JSON object; found a JSON {type(content).__name__}")
-        level, depth = [content], 0
+        level: list[Any] = [content]
+        depth = 0
         while level:
             depth = within("depth", depth + 1, f"{where}: JSON values inside values")
             level = [inner for value in level for inner in (value.values() if isinstance(value, dict) else value)

@@ -14,10 +14,11 @@ from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path, PurePosixPath
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import zarr
+from zarr.storage import LocalStore, ZipStore
 
 from move.errors import BadInput
 from move.untrusted import parse_json, plain_files, within
@@ -53,15 +54,15 @@ class PlainGroup:
     """A zarr group, folder or zip, that was judged and may be opened."""
 
     path: Path
-    zarr_format: int
+    zarr_format: Literal[2, 3]
     arrays: Mapping[str, PlainArray]
 
     @contextmanager
     def opened(self) -> Iterator[zarr.Group]:
         """Open it for reading."""
-        store = zarr.storage.ZipStore if self.path.is_file() else zarr.storage.LocalStore
-        with closing(store(self.path, mode="r") if self.path.is_file() else store(self.path, read_only=True)) as opened:
-            yield zarr.open_group(opened, mode="r", zarr_format=self.zarr_format, use_consolidated=False)
+        zipped = self.path.is_file()
+        with closing(ZipStore(self.path, mode="r") if zipped else LocalStore(self.path, read_only=True)) as store:
+            yield zarr.open_group(store, mode="r", zarr_format=self.zarr_format, use_consolidated=False)
 
 
 def judge(path: Path) -> PlainGroup:
@@ -105,7 +106,7 @@ def _judge(path: Path, sizes: Mapping[str, int], read: Callable[[str], bytes]) -
         owner = next((folder for folder in map(str, PurePosixPath(name).parents) if folder in arrays), None)
         if owner is not None:
             _judge_chunk(arrays[owner], sizes[name], partial(read, name), f"{path}: {name}")
-    return PlainGroup(path, formats.pop(), arrays)
+    return PlainGroup(path, 3 if 3 in formats else 2, arrays)
 
 
 def _array(about: Mapping[str, Any], where: str) -> PlainArray:
@@ -185,10 +186,21 @@ def _judge_chunk(array: PlainArray, size: int, read: Callable[[], bytes], where:
         raise BadInput(f"{where}: {size:,} bytes on disk for a chunk of {declared:,}")
     if array.compressor:
         data = read()
-        decoded = int.from_bytes(data[4:8], "little") if array.compressor == "blosc" else zstd_bytes(data)
+        decoded = blosc_bytes(data) if array.compressor == "blosc" else zstd_bytes(data)
         if decoded is None or decoded > declared:
             shown = "an unknown number of" if decoded is None else f"{decoded:,}"
             raise BadInput(f"{where}: decodes to {shown} bytes; its description says {declared:,}")
+
+
+def blosc_bytes(data: bytes) -> int | None:
+    """Size of blosc data once decoded, told from their header; None where it is not a header of just these data.
+
+    >>> from numcodecs import Blosc
+    >>> blosc_bytes(Blosc().encode(bytes(70_000))), blosc_bytes(b"nothing of the kind")
+    (70000, None)
+    """
+    decoded, _, encoded = (int.from_bytes(data[start:start + 4], "little") for start in (4, 8, 12))
+    return decoded if encoded == len(data) else None
 
 
 def zstd_bytes(data: bytes) -> int | None:

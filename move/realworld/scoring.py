@@ -36,8 +36,8 @@ def read_sheet(path: Path | str) -> pd.DataFrame:
     Raises:
         BadInput: one line that names the file, the line and what is allowed there.
     """
-    with reading(path, "a CSV scoring sheet"):
-        sheet = pd.read_csv(path, dtype=str, keep_default_na=False, skipinitialspace=True)
+    with reading(path, "a CSV scoring sheet"), Path(path).open("rb") as file:  # pandas would take an address too
+        sheet = pd.read_csv(file, dtype=str, keep_default_na=False, skipinitialspace=True)
     if tuple(sheet.columns) != COLUMNS:
         raise BadInput(f"{path}: columns {list(sheet.columns)}; expected {list(COLUMNS)}")
     if sheet.empty:
