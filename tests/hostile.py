@@ -375,6 +375,12 @@ def parquet_names_an_image_outside(folder):
     return imaged(folder, [{"bytes": None, "path": "/etc/passwd"}] * w.STEPS)
 
 
+@hostile("expected images")
+def images_of_two_sizes(folder):
+    sizes = [8, 9, 8, 9, 8, 9]
+    return imaged(folder, [{"bytes": png(size, size, rows=size), "path": None} for size in sizes])
+
+
 @hostile("pixels")
 def png_of_20000_pixels_a_side(folder):
     return imaged(folder, [{"bytes": png(20_000, 20_000, rows=3), "path": None}] * w.STEPS)
@@ -413,6 +419,17 @@ def video_whose_frames_are_larger_than_it_says(folder):
             large = av.Packet(png(12_000, 12_000, rows=12_000))
             large.pts, large.dts, large.time_base, large.stream = packet.pts, packet.dts, packet.time_base, stream
             container.mux(large)
+    return folder
+
+
+@hostile("expected")
+def video_in_another_container(folder):
+    with_video(folder)
+    with av.open(str(folder / VIDEO), "w", format="avi") as container:
+        stream = container.add_stream("mpeg4", rate=10)
+        stream.width = stream.height = 64
+        container.mux(stream.encode(av.VideoFrame.from_ndarray(np.zeros((64, 64, 3), np.uint8), format="rgb24")))
+        container.mux(stream.encode())
     return folder
 
 

@@ -63,9 +63,9 @@ class Frames:
             for image in self.load(numbers):
                 images.append(as_rgb(image, self.source))
                 within("memory_bytes", 2 * len(numbers) * images[-1].nbytes, f"{self.source}: {len(numbers)} frames")
-        if len(images) != len(numbers):
-            raise BadInput(f"{self.source}: asked for {len(numbers)} frames, found {len(images)}")
-        stack = np.stack(images)
+            if len(images) != len(numbers):
+                raise BadInput(f"{self.source}: asked for {len(numbers)} frames, found {len(images)}")
+            stack = np.stack(images)
         return stack[..., ::-1] if self.bgr else stack
 
 
