@@ -31,6 +31,7 @@ def http_error(kind, status=401):
 class FakeHub:
     """Stands in for HfApi: serves a local folder, counts what is fetched, fails when told to."""
 
+    endpoint = "https://hub.example"
     folder, extra, error, fail_after = None, (), None, None
     fetched: list[str] = []
     listed = 0
@@ -48,8 +49,10 @@ class FakeHub:
         yield from (SimpleNamespace(path=p.relative_to(self.folder).as_posix(), size=p.stat().st_size) for p in files)
         yield from (SimpleNamespace(path=path, size=size) for path, size in self.extra)
 
-    def hf_hub_download(self, repo_id, filename, *, repo_type, revision, local_dir):
+    def hf_hub_download(self, repo_id, filename, *, repo_type, revision, local_dir, dry_run=False):
         self._maybe_fail()
+        if dry_run:
+            return SimpleNamespace(file_size=(self.folder / filename).stat().st_size)
         if self.fail_after is not None and len(self.fetched) >= self.fail_after:
             raise httpx.ConnectError("cable pulled")
         FakeHub.fetched.append(filename)

@@ -13,9 +13,11 @@ What would reach over the edge of an episode repeats its first or its last times
 """
 
 import json
+import math
 import os
 import shutil
 import uuid
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -24,10 +26,11 @@ import zarr
 
 from move.errors import BadInput
 from move.sim.demonstrations import Demonstrations
+from move.untrusted import within
+from move.untrusted_zarr import PlainGroup, judge
 
 CHUNK_TIMESTEPS = 256
 OBSERVED = ("data/img", "data/keypoints", "data/state")  # the first one that is there
-BROKEN_STORE = (OSError, KeyError, ValueError, TypeError, RuntimeError)
 
 
 def window_indices(
@@ -102,31 +105,58 @@ def load(path: Path, clip_actions: bool = False) -> tuple[Demonstrations, dict[s
             are refused, because in another scene they would mean something else.
 
     Raises:
-        BadInput: there is no such group, a part of it is missing or damaged, or actions outside -1..1.
+        BadInput: there is no such group, a part of it is missing or damaged, something in it is no plain array (see
+            `move.untrusted_zarr`) or beyond the limits of `move.untrusted`, or actions outside -1..1.
     """
     path = Path(path)
     if not path.exists():
         raise BadInput(f"no demonstrations at {path}")
     try:
-        group = zarr.open_group(path, mode="r")
-        observations = _read(group, next((name for name in OBSERVED if name in group), OBSERVED[-1]))
-        if observations.ndim == 2:
-            observations = observations.astype(np.float32, copy=False)
-        actions = _actions(_read(group, "data/action"), clip_actions)
-        ends = _read(group, "meta/episode_ends")
+        judged = judge(path)
+        observed = next((name for name in OBSERVED if name in judged.arrays), OBSERVED[-1])
+        _refuse_too_much(judged, (observed, "data/action", "meta/episode_ends"))
+        with judged.opened() as group:
+            observations = _observations(_read(group, judged, observed))
+            actions = _actions(_read(group, judged, "data/action"), clip_actions)
+            ends = _read(group, judged, "meta/episode_ends")
+            attributes = dict(group.attrs)
+        within("episodes", len(ends), f"{path}: meta/episode_ends")
         if ends.dtype.kind in "iu":
             ends = ends.astype(np.int64, copy=False)
-        return Demonstrations(observations, actions, ends), dict(group.attrs)
+        return Demonstrations(observations, actions, ends), attributes
     except BadInput as problem:
         raise BadInput(f"cannot read demonstrations from {path}: {problem}") from problem
-    except BROKEN_STORE as error:
+    except Exception as error:  # zarr raises dozens of types; all mean "this store is not what it should be"
         reason = " ".join(str(error).split())
         raise BadInput(f"cannot read demonstrations from {path}: {type(error).__name__}: {reason}") from error
 
 
+def _refuse_too_much(judged: PlainGroup, names: Sequence[str]) -> None:
+    """Hold the declared sizes of the arrays that will be read against the limits."""
+    arrays = {name: judged.arrays[name] for name in names if name in judged.arrays}
+    within("memory_bytes", sum(about.shape[0] * about.row_bytes for about in arrays.values()), "all arrays together")
+    for name, about in arrays.items():
+        limit = "pixels" if len(about.shape) == 4 else "columns"
+        within(limit, math.prod(about.shape[1:3]), name)
+
+
+def _observations(observations: np.ndarray) -> np.ndarray:
+    """Images as they are, or numbers as float32."""
+    if 0 in observations.shape[1:]:
+        raise BadInput(f"observations {observations.shape}; allowed: at least one number a timestep")
+    return observations.astype(np.float32, copy=False) if observations.ndim == 2 else observations
+
+
 def _actions(actions: np.ndarray, clip: bool) -> np.ndarray:
     """Actions as float32 within -1..1."""
-    actions = actions.astype(np.float32, copy=False)
+    if actions.dtype.kind == "b":
+        raise BadInput("data/action holds true and false; allowed: numbers")
+    if 0 in actions.shape[1:]:
+        raise BadInput(f"actions {actions.shape}; allowed: at least one number a timestep")
+    with np.errstate(over="ignore"):  # what float32 cannot hold is infinite, and refused
+        actions = actions.astype(np.float32, copy=False)
+    if not np.isfinite(actions).all():
+        raise BadInput("actions hold NaN or infinity; allowed: -1 to 1, and with --clip-actions any finite number")
     if clip:
         return np.clip(actions, -1, 1)
     if actions.size and np.abs(actions).max() > 1:
@@ -135,7 +165,13 @@ def _actions(actions: np.ndarray, clip: bool) -> np.ndarray:
     return actions
 
 
-def _read(group: zarr.Group, name: str) -> np.ndarray:
+def _read(group: zarr.Group, judged: PlainGroup, name: str) -> np.ndarray:
+    """All numbers of an array whose description was judged."""
+    if name not in judged.arrays:
+        raise BadInput(f"{name} is missing; found {', '.join(sorted(judged.arrays)[:8]) or 'no array'}")
+    about = judged.arrays[name]
+    if about.dtype.kind == "c":
+        raise BadInput(f"{name} holds complex numbers, whose imaginary part would be lost; allowed: real numbers")
     array = group[name]
     if not isinstance(array, zarr.Array):
         raise BadInput(f"{name} is a group; an array is needed")

@@ -4,6 +4,7 @@ dataset.py   open_dataset: the one way in
 hub.py       list a repository, cap its size, fetch chosen files of one commit
 detect.py    which layouts a list of file names holds
 formats/     one reader a layout -> Recording (units of the file)
+parquet.py   chosen columns of a parquet table, within the limits
 state_columns.py  which column of a state vector is what
 units.py     Recording -> RobotEpisode (SI units), with a table of how each unit was told
 frames.py    camera frames, decoded when asked for
@@ -15,7 +16,7 @@ checks.py    what was checked, and how it came out
 piper.py     the arm's limits and kinematics
 lerobot_files.py  columns as LeRobot keeps them
 sample.py    a small simulated data set in the real layout
-untrusted_names.py  names from a data set stay inside its folder; reading errors get one line
+untrusted_names.py  names from a data set stay inside its folder
 """
 
 from __future__ import annotations

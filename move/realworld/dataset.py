@@ -11,11 +11,11 @@ import pandas as pd
 from move import paths
 from move.errors import BadInput
 from move.realworld import hub
-from move.realworld.detect import detect, list_folder
+from move.realworld.detect import detect
 from move.realworld.episode import EpisodeRef, Part, Recording, RobotEpisode, method_of
 from move.realworld.formats import LAYOUTS
 from move.realworld.units import UnitRow, convert, detect_units, read_units_file, units_table
-from move.realworld.untrusted_names import read_json
+from move.untrusted import plain_files, read_json, reading, within
 
 # A file of this name at the root of a data set says that no robot was involved.
 SIMULATED = "SIMULATED.json"
@@ -70,7 +70,7 @@ def open_dataset(data: str | Path = hub.REPOSITORY, *, revision: str | None = hu
         if revision is not None:
             raise BadInput(f"revision {revision!r} was given with the folder {data}; a folder has no revision")
         root, remote = Path(data), None
-        parts = detect(list_folder(root), root)
+        parts = detect(list(plain_files(root)), root)
     elif str(data).count("/") == 1 and not Path(data).is_absolute() and not str(data).startswith("."):
         remote = hub.list_remote(str(data), revision, folder, say=say)
         root = remote.folder
@@ -78,7 +78,7 @@ def open_dataset(data: str | Path = hub.REPOSITORY, *, revision: str | None = hu
         hub.fetch(remote, _metadata(parts, remote), size_cap_gb=size_cap_gb, say=say)
     else:
         raise BadInput(f"data {str(data)!r} is no folder on this machine, and no owner/name of the Hub")
-    chosen = {part.name: _choose(LAYOUTS[part.layout].episodes(part), episodes, part) for part in parts}
+    chosen = {part.name: _choose(_episodes(part), episodes, part) for part in parts}
     if remote:
         names = [_prefix(part, remote) + file for part in parts for ref in chosen[part.name][1] for file in ref.files]
         hub.fetch(remote, names, size_cap_gb=size_cap_gb, say=say)
@@ -94,6 +94,14 @@ def _prefix(part: Part, remote: hub.Remote) -> str:
 def _metadata(parts: Sequence[Part], remote: hub.Remote) -> list[str]:
     names = [_prefix(part, remote) + file for part in parts for file in LAYOUTS[part.layout].metadata(part.files)]
     return names + [file.path for file in remote.files if file.path == SIMULATED]
+
+
+def _episodes(part: Part) -> list[EpisodeRef]:
+    """All episodes of a part."""
+    with reading(part.root, f"a data set of the layout {LAYOUTS[part.layout].title}"):
+        refs = LAYOUTS[part.layout].episodes(part)
+    within("episodes", len(refs), part.root)
+    return refs
 
 
 def _choose(refs: list[EpisodeRef], episodes: int | Sequence[int] | None,
@@ -118,34 +126,46 @@ def _read(source: str, revision: str | None, root: Path, parts: Sequence[Part], 
     """Read the chosen episodes of every part; an episode that cannot be read is named and left out."""
     episodes: list[RobotEpisode] = []
     rows: list[UnitRow] = []
-    contents, unread = [], []
+    contents, unread, held = [], [], 0
     for part in parts:
         refs, wanted = chosen[part.name]
-        recordings, failed = _recordings(part, wanted)
+        recordings, failed, held = _recordings(part, wanted, held)
         unread += failed
+        mine: list[RobotEpisode] = []
         if recordings:
             units = detect_units(recordings, overrides)
             rows += units
             mine = [convert(recording, units, overrides, _method(part)) for recording in recordings]
             episodes += mine
         say(f"{part.name}: {LAYOUTS[part.layout].title}, read {len(recordings)} of {len(refs)} episodes")
-        contents.append(_summary(part, refs, mine if recordings else []))
+        contents.append(_summary(part, refs, mine))
     if not episodes:
         raise BadInput(unread[0] if unread else f"{root}: no episodes in {[part.name for part in parts]}")
-    mark = root / SIMULATED
-    about = read_json(mark, "a JSON object that describes a simulation") if mark.is_file() else {}
+    about = _about(root / SIMULATED)
     return RobotDataSet(source, revision, root, tuple(episodes), pd.DataFrame(contents), units_table(rows),
                         tuple(unread), bool(about), about)
 
 
-def _recordings(part: Part, refs: Sequence[EpisodeRef]) -> tuple[list[Recording], list[str]]:
+def _about(mark: Path) -> dict:
+    """What a data set that is simulated says of itself; nothing where it does not say that it is."""
+    about = read_json(mark, "a JSON object that describes a simulation") if mark.is_file() else {}
+    size = about.get("metres_per_pixel", 1.0)
+    if isinstance(size, bool) or not isinstance(size, int | float) or not 0 < size < float("inf"):
+        raise BadInput(f"{mark}: metres_per_pixel is {str(size)[:40]!r}; allowed: a number above 0")
+    return about
+
+
+def _recordings(part: Part, refs: Sequence[EpisodeRef], held: int) -> tuple[list[Recording], list[str], int]:
+    """Read episodes; `held` bytes are in memory already, and how many there are then is returned too."""
     recordings, failed = [], []
     for ref in refs:
         try:
-            recordings.append(LAYOUTS[part.layout].read(part, ref))
+            recording = LAYOUTS[part.layout].read(part, ref)
+            held = within("memory_bytes", held + recording.held_bytes, f"{part.root}: all episodes together")
+            recordings.append(recording)
         except BadInput as error:
             failed.append(str(error))
-    return recordings, failed
+    return recordings, failed, held
 
 
 def _method(part: Part) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 from collections import Counter
 from collections.abc import Sequence
@@ -10,7 +9,8 @@ from pathlib import Path
 
 from move.errors import BadInput
 from move.realworld.episode import Part
-from move.realworld.untrusted_names import safe_name
+from move.realworld.untrusted_names import is_hidden, safe_name
+from move.untrusted import within
 
 EXPECTED = ("meta/info.json (LeRobot v2.1 or v3.0), episode*/camera|arm|gripper|localization/ (Pika raw tree), "
             "*.hdf5 or *.h5 (Pika, ACT, RoboMIND), or meta/episode_ends in a zarr folder or *.zarr.zip")
@@ -21,16 +21,6 @@ _ZARR = re.compile(r"(?P<root>(?:.*/)?)meta/episode_ends/(?:\.zarray|zarr\.json)
 _PIKA = re.compile(r"(?P<root>(?:.*/)?)episode_?\d+/(?:camera/color|arm/jointState|arm/endPose|localization/pose|"
                    r"gripper/encoder)/.+/.+")
 _HDF5 = re.compile(r"(?P<root>(?:.*?/)??)(?:episode_?\d+/|[^/]+/data/(?=trajectory\.))?[^/]+\.(?:hdf5|h5)")
-
-
-def list_folder(folder: Path) -> list[str]:
-    """Names of all files under a folder, relative to it, with forward slashes, sorted; hidden folders are left out
-    (a zarr's own dotted files are not)."""
-    names = []
-    for where, folders, files in os.walk(folder):
-        folders[:] = sorted(name for name in folders if not name.startswith("."))
-        names += [(Path(where) / name).relative_to(folder).as_posix() for name in files]
-    return sorted(names)
 
 
 def detect(files: Sequence[str], root: Path) -> list[Part]:
@@ -46,12 +36,13 @@ def detect(files: Sequence[str], root: Path) -> list[Part]:
     Raises:
         BadInput: no layout is recognised (the message tells what was found), or a name leaves the folder.
     """
-    left = {safe_name(file, str(root)) for file in files}
+    left = {file for file in files if not is_hidden(safe_name(file, str(root)))}
     parts: list[Part] = []
     for pattern, layout in ((_LEROBOT, "lerobot"), (_ZARR, "zarr"), (_HDF5, "hdf5"), (_PIKA, "pika_tree")):
         found = {match["root"] for match in map(pattern.fullmatch, left) if match}
         if layout == "zarr":
             found |= {file for file in left if file.endswith(".zarr.zip")}
+        within("parts", len(parts) + len(found), root)
         for prefix in sorted(found, key=len, reverse=True):
             part = _claim(prefix, layout, left, root)
             left -= {_full(prefix, file) for file in part.files}

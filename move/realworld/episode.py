@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -11,6 +12,7 @@ import numpy as np
 
 from move.errors import BadInput
 from move.realworld.frames import Frames
+from move.untrusted import within
 
 
 @dataclass(frozen=True)
@@ -58,6 +60,13 @@ class Recording:
     hints: Mapping[str, str] = field(default_factory=dict)  # quantity -> unit that a column's name states
     lengths: Mapping[str, int] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
+
+    @property
+    def held_bytes(self) -> int:
+        """Bytes of its streams and of those images that are in memory."""
+        streams = (self.timestamps_s, self.joints, self.end_effector, self.gripper, self.action, self.state)
+        return sum(stream.nbytes for stream in streams if stream is not None) + sum(
+            frames.held_bytes for frames in self.cameras.values())
 
 
 @dataclass(frozen=True)
@@ -112,11 +121,12 @@ def make_recording(part: Part, ref: EpisodeRef, streams: Mapping[str, np.ndarray
         rest: the other fields of `Recording`.
 
     Raises:
-        BadInput: no stream at all.
+        BadInput: no stream at all, or one that is no table of real numbers with at least one row.
     """
-    found = {name: np.asarray(values, dtype=np.float64) for name, values in streams.items() if values is not None}
+    where = f"episode {ref.index} of {part.root}"
+    found = {name: _numbers(name, values, where) for name, values in streams.items() if values is not None}
     if not found:
-        raise BadInput(f"episode {ref.index} of {part.root} holds none of {sorted(streams)}")
+        raise BadInput(f"{where} holds none of {sorted(streams)}")
     lengths = {name: len(values) for name, values in found.items()}
     shortest = min(lengths.values())
     cut = {name: values[:shortest] for name, values in found.items()}
@@ -124,6 +134,18 @@ def make_recording(part: Part, ref: EpisodeRef, streams: Mapping[str, np.ndarray
     if "timestamps_s" not in cut:
         cut["timestamps_s"] = np.arange(shortest) / (fps or 30.0)
         notes += (f"no timestamps on disk: {fps or 30.0:g} Hz assumed",)
-    if shortest:
-        cut["timestamps_s"] = cut["timestamps_s"] - cut["timestamps_s"][0]
+    cut["timestamps_s"] = cut["timestamps_s"] - cut["timestamps_s"][0]
     return Recording(part=part.name, index=ref.index, lengths=lengths, notes=notes, **cut, **rest)
+
+
+def _numbers(name: str, values: np.ndarray, where: str) -> np.ndarray:
+    """A stream as float64: (T,) for time and gripper, (T, columns) for the rest, T at least 1."""
+    values = np.asarray(values)
+    axes = 1 if name in ("timestamps_s", "gripper") else 2
+    if values.dtype.kind not in "biuf" or values.ndim != axes or 0 in values.shape:
+        raise BadInput(f"{where}: {name} is {values.dtype} {values.shape}; expected real numbers of at least one "
+                       f"timestep{' in columns' if axes == 2 else ''}")
+    if name == "end_effector" and values.shape[1] != 6:
+        raise BadInput(f"{where}: {name} has {values.shape[1]} columns; expected 6: x, y, z, roll, pitch, yaw")
+    within("columns", math.prod(values.shape[1:]), f"{where}: {name}")
+    return values.astype(np.float64)

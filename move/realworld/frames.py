@@ -1,6 +1,7 @@
-"""Camera frames that are decoded only when asked for: video (PyAV), encoded images, arrays in HDF5 or zarr.
+"""Camera frames that are decoded only when asked for: video (PyAV), JPEG and PNG (Pillow), arrays in HDF5 or zarr.
 
-OpenCV is not used: its wheel cannot read AV1, the codec LeRobot writes by default.
+OpenCV is not used: its wheel cannot read AV1, the codec LeRobot writes by default. A frame's size is known before it is
+decoded: Pillow reads an image's header first, and FFmpeg is told how many pixels are allowed.
 """
 
 from __future__ import annotations
@@ -13,10 +14,12 @@ from pathlib import Path
 import av
 import h5py
 import numpy as np
+from PIL import Image as Pillow
 
 from move.errors import BadInput
-from move.realworld.untrusted_names import reading
+from move.untrusted import limits, reading, within
 
+IMAGES, VIDEOS = ("JPEG", "PNG"), "mov,mp4,m4a,3gp,3g2,mj2,matroska,webm"
 Image = np.ndarray | bytes
 
 
@@ -32,6 +35,7 @@ class Frames:
     count: Callable[[], int]
     load: Callable[[Sequence[int]], Iterable[Image]]
     bgr: bool = False
+    held_bytes: int = 0  # of encoded images that are already in memory
 
     def __len__(self) -> int:
         """Number of frames."""
@@ -48,17 +52,20 @@ class Frames:
             (len(numbers), height, width, 3) uint8, red first.
 
         Raises:
-            BadInput: a number outside the episode, or images that cannot be decoded.
+            BadInput: a number outside the episode, images that cannot be decoded, or too many of them at once.
         """
         numbers = [int(number) for number in numbers]
         total = len(self)
         if not numbers or numbers != sorted(set(numbers)) or numbers[0] < 0 or numbers[-1] >= total:
             raise BadInput(f"frames {numbers[:5]} of {self.source}: allowed are increasing numbers in 0..{total - 1}")
+        images: list[np.ndarray] = []
         with reading(self.source, "images"):
-            images = [as_rgb(image, self.source) for image in self.load(numbers)]
-        if len(images) != len(numbers):
-            raise BadInput(f"{self.source}: asked for {len(numbers)} frames, found {len(images)}")
-        stack = np.stack(images)
+            for image in self.load(numbers):
+                images.append(as_rgb(image, self.source))
+                within("memory_bytes", 2 * len(numbers) * images[-1].nbytes, f"{self.source}: {len(numbers)} frames")
+            if len(images) != len(numbers):
+                raise BadInput(f"{self.source}: asked for {len(numbers)} frames, found {len(images)}")
+            stack = np.stack(images)
         return stack[..., ::-1] if self.bgr else stack
 
 
@@ -69,7 +76,8 @@ def as_rgb(image: Image, where: str) -> np.ndarray:
         BadInput: another dtype or shape.
     """
     if isinstance(image, bytes | np.void) or (image.dtype == np.uint8 and image.ndim == 1):
-        return decode_image(image if isinstance(image, bytes) else image.tobytes())
+        return decode_image(image if isinstance(image, bytes) else image.tobytes(), where)
+    within("pixels", image.size // 3, f"image in {where}")
     if image.dtype != np.uint8 or image.ndim not in (2, 3):
         raise BadInput(f"image in {where}: found {image.dtype} {image.shape}; expected uint8, HWC, CHW or HW")
     if image.ndim == 2:
@@ -81,10 +89,28 @@ def as_rgb(image: Image, where: str) -> np.ndarray:
     return image
 
 
-def decode_image(data: bytes) -> np.ndarray:
+def decode_image(data: bytes, where: str) -> np.ndarray:
     """Decode a JPEG or PNG to (height, width, 3) uint8, red first; zero padding behind the image is ignored."""
-    with av.open(io.BytesIO(data)) as container:
-        return next(container.decode(video=0)).to_ndarray(format="rgb24")
+    within("image_bytes", len(data), f"image in {where}")
+    with Pillow.open(io.BytesIO(data), formats=IMAGES) as image:
+        within("pixels", image.width * image.height, f"image in {where}")
+        return np.asarray(image.convert("RGB"))
+
+
+def _opened(path: Path) -> av.container.InputContainer:
+    """Open a video in a known container, which can name no other file, with frames of no more pixels than allowed."""
+    options = {"protocol_whitelist": "file", "format_whitelist": VIDEOS, "max_pixels": str(limits().pixels)}
+    return av.open(str(path.absolute()), options=options)
+
+
+def _frames(container: av.container.InputContainer, where: Path) -> Iterable[av.VideoFrame]:
+    """The frames of a video from where it stands, not more than are allowed."""
+    stream = container.streams.video[0]
+    within("pixels", stream.codec_context.width * stream.codec_context.height, where)
+    stream.codec_context.options = {"max_pixels": str(limits().pixels)}
+    for number, frame in enumerate(container.decode(stream), 1):
+        within("rows", number, f"{where}: frames")
+        yield frame
 
 
 def from_video(path: Path, *, start_s: float = 0.0, count: int | None = None) -> Frames:
@@ -98,23 +124,22 @@ def from_video(path: Path, *, start_s: float = 0.0, count: int | None = None) ->
     def number() -> int:
         if count is not None:
             return count
-        with av.open(str(path)) as container:
-            stream = container.streams.video[0]
-            return stream.frames or sum(1 for _ in container.decode(stream))
+        with _opened(path) as container:
+            return container.streams.video[0].frames or sum(1 for _ in _frames(container, path))
 
     return Frames(str(path), number, lambda numbers: _decode(path, start_s, numbers))
 
 
 def _decode(path: Path, start_s: float, numbers: Sequence[int]) -> Iterable[np.ndarray]:
     """Yield the wanted frames in one pass from the key frame before the first of them."""
-    with av.open(str(path)) as container:
+    with _opened(path) as container:
         stream = container.streams.video[0]
         rate = float(stream.average_rate)
         origin = float((stream.start_time or 0) * stream.time_base) + start_s
         container.seek(int((origin + numbers[0] / rate) / stream.time_base), stream=stream, backward=True)
         wanted = iter(numbers)
         target = next(wanted)
-        for frame in container.decode(stream):
+        for frame in _frames(container, path):
             if round((frame.time - origin) * rate) == target:
                 yield frame.to_ndarray(format="rgb24")
                 target = next(wanted, None)
@@ -125,12 +150,19 @@ def _decode(path: Path, start_s: float, numbers: Sequence[int]) -> Iterable[np.n
 def from_files(paths: Sequence[Path]) -> Frames:
     """One JPEG or PNG file a frame."""
     source = str(paths[0].parent) if paths else "no files"
-    return Frames(source, lambda: len(paths), lambda numbers: (paths[n].read_bytes() for n in numbers))
+
+    def load(numbers: Sequence[int]) -> Iterable[bytes]:
+        for number in numbers:
+            within("image_bytes", paths[number].stat().st_size, paths[number])
+            yield paths[number].read_bytes()
+
+    return Frames(source, lambda: len(paths), load)
 
 
 def from_bytes(images: Sequence[bytes], source: str) -> Frames:
     """Encoded images already in memory, as in a parquet column."""
-    return Frames(source, lambda: len(images), lambda numbers: (images[n] for n in numbers))
+    return Frames(source, lambda: len(images), lambda numbers: (images[n] for n in numbers),
+                  held_bytes=sum(map(len, images)))
 
 
 def from_hdf5(path: Path, key: str, *, bgr: bool = False) -> Frames:

@@ -10,13 +10,13 @@ from __future__ import annotations
 import errno
 import json
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from huggingface_hub import HfApi
+from huggingface_hub import HfApi, constants
 from huggingface_hub.errors import (
     EntryNotFoundError,
     GatedRepoError,
@@ -29,6 +29,7 @@ from huggingface_hub.utils import httpx
 
 from move.errors import BadInput
 from move.realworld.untrusted_names import inside, safe_name
+from move.untrusted import plain_files, read_json, within
 
 REPOSITORY = "BAAI/MOVE"
 REVISION: str | None = None
@@ -75,17 +76,22 @@ def check_revision(revision: str) -> str:
 
 
 @contextmanager
-def plainly(repo_id: str, revision: str | None) -> Iterator[None]:
+def plainly(repo_id: str, revision: str | None, endpoint: str = constants.ENDPOINT) -> Iterator[None]:
     """Turn what the Hub's client raises into one line that says what to do.
 
+    Args:
+        endpoint: the address that is asked, for the message.
+
     Raises:
-        BadInput: gated, missing, wrong revision, no network, or no room on the disk.
+        BadInput: gated, missing, wrong revision, no network, an answer of another kind, or no room on the disk.
     """
-    where = f"{repo_id}@{revision or 'newest'}"
+    where = f"{repo_id}@{revision or 'newest'} ({endpoint})"
     try:
         yield
+    except BadInput:
+        raise
     except GatedRepoError as error:
-        raise BadInput(f"{where} is gated: accept its terms on huggingface.co/datasets/{repo_id}, "
+        raise BadInput(f"{where} is gated: accept its terms on {endpoint}/datasets/{repo_id}, "
                        "run `hf auth login`, then try again") from error
     except RevisionNotFoundError as error:
         raise BadInput(
@@ -105,6 +111,9 @@ def plainly(repo_id: str, revision: str | None) -> Iterator[None]:
             raise BadInput(f"{where}: cannot be kept on this disk: {_short(error)}") from error
         raise BadInput(f"{where}: no network, or the Hub did not answer ({type(error).__name__}: {_short(error)}); "
                        "give a local folder instead, or try again: files already fetched are kept") from error
+    except Exception as error:  # what the client raises while it reads an answer that is not the Hub's
+        raise BadInput(f"{where}: what answered is no Hub, or a proxy's page came instead "
+                       f"({type(error).__name__}: {_short(error)})") from error
 
 
 def _short(error: Exception) -> str:
@@ -115,7 +124,8 @@ def list_remote(repo_id: str, revision: str | None, folder: Path, *, say: Say = 
     """List a repository at one commit; fetch nothing.
 
     The listing is kept as `SOURCE.json` under `folder/<owner>--<name>/<commit>/`, so a pinned commit that was
-    listed once needs no network again.
+    listed once needs no network again. Only a listing that was judged is kept, and one that is not as it was kept is
+    asked for again.
 
     Args:
         repo_id: owner/name of a data set.
@@ -124,28 +134,56 @@ def list_remote(repo_id: str, revision: str | None, folder: Path, *, say: Say = 
         say: takes one line of progress.
 
     Raises:
-        BadInput: see `check_revision` and `plainly`; also a file name that leaves the folder.
+        BadInput: see `check_revision`, `plainly` and `_judged`.
     """
     api = HfApi()
     if revision is None:
-        with plainly(repo_id, None):
+        with plainly(repo_id, None, api.endpoint):
             revision = str(api.dataset_info(repo_id, timeout=TIMEOUT_S).sha)
         say(f"{repo_id}: newest commit is {revision}; pin it to read the same data again")
     target = folder / safe_name(repo_id, "the repository name").replace("/", "--") / check_revision(revision)
-    kept = target / LISTING
-    if kept.is_file():
-        files = [RemoteFile(**row) for row in json.loads(kept.read_text(encoding="utf-8"))["files"]]
-    else:
-        with plainly(repo_id, revision):
+    files = _kept(target / LISTING)
+    if files is None:
+        where = f"{repo_id}@{revision} ({api.endpoint})"
+        with plainly(repo_id, revision, api.endpoint):
             tree = api.list_repo_tree(repo_id, recursive=True, revision=revision, repo_type="dataset")
-            files = [RemoteFile(entry.path, entry.size) for entry in tree if hasattr(entry, "size")]
-    for file in files:
-        safe_name(file.path, f"{repo_id}@{revision}")
-    remote = Remote(repo_id, revision, target, tuple(files))
+            files = _judged(((entry.path, entry.size) for entry in tree if hasattr(entry, "size")), where)
+    remote = Remote(repo_id, revision, target, files)
     _keep(remote)
     total = sum(file.size_bytes for file in files) / 1e9
     say(f"{repo_id}@{revision[:8]}: {len(files)} files, {total:.2f} GB in all")
     return remote
+
+
+def _judged(rows: Iterable[tuple[object, object]], where: str) -> tuple[RemoteFile, ...]:
+    """The names and sizes of a listing.
+
+    Raises:
+        BadInput: no file at all, too many, a name that leaves the folder, or a value of the wrong type.
+    """
+    files: list[RemoteFile] = []
+    for path, size in rows:
+        within("files", len(files) + 1, f"{where}: its listing")
+        if not isinstance(path, str) or type(size) is not int or size < 0:
+            raise BadInput(f"{where}: its listing holds {str(path)[:80]!r} of {str(size)[:40]!r} bytes; allowed: a "
+                           "name and a number from 0 on")
+        files.append(RemoteFile(safe_name(path, where), size))
+    if not files:
+        raise BadInput(f"{where}: its listing holds no file")
+    return tuple(files)
+
+
+def _kept(path: Path) -> tuple[RemoteFile, ...] | None:
+    """A listing that was kept; None where there is none that is as it was kept."""
+    if not path.is_file():
+        return None
+    try:
+        rows = read_json(path, "a listing that was kept").get("files")
+        pairs = [(row.get("path"), row.get("size_bytes")) for row in rows if isinstance(row, dict)] if isinstance(
+            rows, list) else []
+        return _judged(pairs, str(path))
+    except BadInput:
+        return None
 
 
 def _keep(remote: Remote) -> None:
@@ -169,7 +207,8 @@ def fetch(remote: Remote, names: Sequence[str], *, size_cap_gb: float, say: Say 
         Number of bytes fetched.
 
     Raises:
-        BadInput: a name that is not in the listing, above the cap, or see `plainly`.
+        BadInput: a name or size that is not as listed, above the cap, what `plain_files` refuses,
+            or see `plainly`.
     """
     sizes = {file.path: file.size_bytes for file in remote.files}
     unknown = [name for name in names if name not in sizes]
@@ -186,7 +225,12 @@ def fetch(remote: Remote, names: Sequence[str], *, size_cap_gb: float, say: Say 
     api, done = HfApi(), 0
 
     def one(name: str) -> str:
-        with plainly(remote.repo_id, remote.revision):
+        with plainly(remote.repo_id, remote.revision, api.endpoint):
+            announced = api.hf_hub_download(remote.repo_id, name, repo_type="dataset", revision=remote.revision,
+                                            local_dir=remote.folder, dry_run=True).file_size
+            if announced != sizes[name]:  # a listing that lies would get round the cap
+                raise BadInput(f"{remote.repo_id}@{remote.revision[:8]} ({api.endpoint}): {name} has {announced:,} "
+                               f"bytes, its listing says {sizes[name]:,}")
             api.hf_hub_download(remote.repo_id, name, repo_type="dataset", revision=remote.revision,
                                 local_dir=remote.folder)
         return name
@@ -198,6 +242,7 @@ def fetch(remote: Remote, names: Sequence[str], *, size_cap_gb: float, say: Say 
             say(f"fetched {number}/{len(missing)} ({done / 1e6:.1f} MB): {name}")
     finally:
         pool.shutdown(cancel_futures=True)
+    plain_files(remote.folder)
     return done
 
 

@@ -21,7 +21,7 @@ from scipy import stats
 from move.errors import BadInput
 from move.intervals import exact_interval
 from move.paper import PAPER_METHODS, REAL_POINTS
-from move.realworld.untrusted_names import reading
+from move.untrusted import reading
 
 COLUMNS = ("trial", "method", "position_x_m", "position_y_m", "score")
 FARTHEST_M = 1.5  # beyond the arm's reach in any case; catches centimetres
@@ -36,8 +36,8 @@ def read_sheet(path: Path | str) -> pd.DataFrame:
     Raises:
         BadInput: one line that names the file, the line and what is allowed there.
     """
-    with reading(path, "a CSV scoring sheet"):
-        sheet = pd.read_csv(path, dtype=str, keep_default_na=False, skipinitialspace=True)
+    with reading(path, "a CSV scoring sheet"), Path(path).open("rb") as file:  # pandas would take an address too
+        sheet = pd.read_csv(file, dtype=str, keep_default_na=False, skipinitialspace=True)
     if tuple(sheet.columns) != COLUMNS:
         raise BadInput(f"{path}: columns {list(sheet.columns)}; expected {list(COLUMNS)}")
     if sheet.empty:

@@ -46,7 +46,7 @@ def track_orange(frames: np.ndarray, *, least_pixels: int = 6) -> np.ndarray:
     Returns:
         (T, 2) float64, row and column in pixels; NaN where hidden.
     """
-    mask = orange_mask(frames)
+    mask = np.stack([orange_mask(frame) for frame in frames])  # one at a time: the hue takes twenty times the memory
     count = mask.sum(axis=(1, 2)).astype(float)
     rows, columns = np.arange(mask.shape[1]), np.arange(mask.shape[2])
     total = np.column_stack([(mask.sum(axis=2) * rows).sum(axis=1), (mask.sum(axis=1) * columns).sum(axis=1)])

@@ -37,7 +37,7 @@ from move.errors import BadInput
 from move.paper import PAPER_METHODS
 from move.realworld.episode import Recording, RobotEpisode
 from move.realworld.piper import LIMITS_RAD
-from move.realworld.untrusted_names import reading
+from move.untrusted import reading
 
 ANGLE = {"rad": 1.0, "deg": np.pi / 180, "mdeg": np.pi / 180e3}
 LENGTH = {"m": 1.0, "mm": 1e-3, "um": 1e-6}

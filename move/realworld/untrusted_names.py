@@ -1,17 +1,15 @@
-"""Names that come from a data set are not trusted: they stay inside its folder, and reading errors get one line."""
+"""Names that come from a data set are not trusted: they stay inside its folder."""
 
 from __future__ import annotations
 
-import json
 import re
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from pathlib import Path, PurePosixPath
-from typing import Any
 
 from move.errors import BadInput
 
 _FIELD = re.compile(r"\{(\w+)(?::0?(\d{1,2})d)?\}")
+_LONGEST = 1_000  # characters of a name
 _FIELDS = {"episode_chunk", "episode_index", "video_key", "chunk_index", "file_index"}
 
 
@@ -23,8 +21,10 @@ def safe_name(name: str, where: str) -> str:
         where: the data set or file that holds the name, for the message.
 
     Raises:
-        BadInput: the name is empty, absolute, holds a backslash, a drive letter, a NUL or a `..` step.
+        BadInput: the name is empty, absolute, very long, holds a backslash, a drive letter, a NUL or a `..` step.
     """
+    if len(name) > _LONGEST:
+        raise BadInput(f"file name {name[:40]!r}... in {where} has {len(name)} characters; allowed are {_LONGEST}")
     steps = PurePosixPath(name).parts
     bad = not name or "\\" in name or "\0" in name or name.startswith("/") or ".." in steps
     if bad or re.match(r"^[A-Za-z]:", name):
@@ -32,12 +32,24 @@ def safe_name(name: str, where: str) -> str:
     return name
 
 
+def is_hidden(name: str) -> bool:
+    """Whether a file lies in a folder whose name begins with a dot: such folders are no part of a data set.
+
+    >>> is_hidden(".git/config"), is_hidden("data/action/.zarray")
+    (True, False)
+    """
+    return any(step.startswith(".") for step in PurePosixPath(name).parts[:-1])
+
+
 def inside(root: Path, name: str) -> Path:
     """Return `root / name` for a name that stays inside `root`.
 
     Raises:
-        BadInput: the name would leave `root`.
+        BadInput: the name would leave `root`, or leads through a hidden folder.
     """
+    if is_hidden(str(name)) and ".." not in PurePosixPath(name).parts:
+        raise BadInput(f"file name {str(name)[:80]!r} in {root} leads through a hidden folder, which is no part of a "
+                       "data set")
     return root / safe_name(str(name), str(root))
 
 
@@ -54,54 +66,13 @@ def fill_template(template: str, values: Mapping[str, int | str], where: str) ->
         field, width = match.group(1), match.group(2)
         if field not in _FIELDS or field not in values:
             raise BadInput(f"path template {template!r} in {where} uses {field!r}; allowed: {sorted(_FIELDS)}")
-        return f"{values[field]:0{int(width)}d}" if width else str(values[field])
+        value = values[field]
+        if width and not isinstance(value, int):
+            raise BadInput(f"path template {template!r} in {where} wants {field!r} as a number; it is a name")
+        return f"{value:0{int(width)}d}" if width else str(value)
 
     filled = _FIELD.sub(fill, template)
     if "{" in filled or "}" in filled:
         raise BadInput(
             f"path template {template!r} in {where} has a field of an unknown form; allowed: {{name}} or {{name:03d}}")
     return safe_name(filled, where)
-
-
-@contextmanager
-def reading(path: Path | str, expected: str) -> Iterator[None]:
-    """Turn whatever a file library raises into one line that names the file and what was expected of it.
-
-    Args:
-        path: the file that is read inside the `with` block.
-        expected: what the file should be, e.g. "a parquet table of a LeRobot v2.1 episode".
-
-    Raises:
-        BadInput: anything went wrong inside the block.
-    """
-    try:
-        yield
-    except BadInput:
-        raise
-    except Exception as error:  # file libraries raise dozens of types; all mean "this file is not what it should be"
-        cause = " ".join(str(error).split())[:160] or "no message"
-        if _is_pointer(Path(path)):
-            cause = "it is a Git LFS pointer, not the file itself: run `git lfs pull`"
-        raise BadInput(f"cannot read {path}: expected {expected}; {type(error).__name__}: {cause}") from error
-
-
-def _is_pointer(path: Path) -> bool:
-    """Whether a file is what Git leaves where a large file was not pulled."""
-    try:
-        with path.open("rb") as file:
-            return file.read(23) == b"version https://git-lfs"
-    except OSError:
-        return False
-
-
-def read_json(path: Path, expected: str) -> dict[str, Any]:
-    """Read a JSON object.
-
-    Raises:
-        BadInput: missing, not JSON, or not an object.
-    """
-    with reading(path, expected):
-        content = json.loads(path.read_text(encoding="utf-8"))
-        if not isinstance(content, dict):
-            raise BadInput(f"cannot read {path}: expected {expected}; found a JSON {type(content).__name__}")
-        return content

@@ -7,16 +7,14 @@ videos/chunk-000/observation.images.<camera>/episode_000000.mp4
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Sequence
-
-import pyarrow.parquet as pq
 
 from move.realworld.episode import EpisodeRef, Part, Recording
 from move.realworld.formats import lerobot
 from move.realworld.frames import Frames, from_video
-from move.realworld.untrusted_names import fill_template, inside, reading
+from move.realworld.untrusted_names import fill_template, inside
+from move.untrusted import parse_json, read_text, reading, within
 
 DATA = "data/chunk-{episode_chunk:03d}/episode_{episode_index:06d}.parquet"
 VIDEO = "videos/chunk-{episode_chunk:03d}/{video_key}/episode_{episode_index:06d}.mp4"
@@ -43,18 +41,19 @@ def _lengths(part: Part) -> dict[int, int | None]:
         found = (re.fullmatch(r"data/.*episode_(\d+)\.parquet", file) for file in part.files)
         return {int(match.group(1)): None for match in found if match}
     with reading(path, "one JSON object a line with episode_index and length"):
-        rows = [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines() if line.strip()]
+        lines = [line for line in read_text(path).splitlines() if line.strip()]
+        within("episodes", len(lines), path)
+        rows = [parse_json(line, path) for line in lines]
         return {int(row["episode_index"]): int(row["length"]) for row in rows}
 
 
-def _files(info: dict, index: int, where: str) -> dict[str, str]:
+def _files(info: lerobot.Info, index: int, where: str) -> dict[str, str]:
     """File names of one episode: "data" and one a video feature."""
-    chunk = index // int(info.get("chunks_size") or 1000)
+    chunk = index // (info.chunks_size or 1000)
     values = {"episode_chunk": chunk, "episode_index": index}
-    names = {"data": fill_template(info.get("data_path") or DATA, values, where)}
-    for key, feature in info["features"].items():
-        if feature.get("dtype") == "video":
-            names[key] = fill_template(info.get("video_path") or VIDEO, {**values, "video_key": key}, where)
+    names = {"data": fill_template(info.data_path or DATA, values, where)}
+    for key in info.cameras("video"):
+        names[key] = fill_template(info.video_path or VIDEO, {**values, "video_key": key}, where)
     return names
 
 
@@ -64,6 +63,6 @@ def read(part: Part, ref: EpisodeRef) -> Recording:
     names = _files(info, ref.index, str(part.root))
     path = inside(part.root, names.pop("data"))
     with reading(path, "a parquet table of a LeRobot v2.1 episode"):
-        table = pq.read_table(path)
+        table = lerobot.read_table(path, info)
         cameras: dict[str, Frames] = {key: from_video(inside(part.root, name)) for key, name in names.items()}
         return lerobot.recording(part, ref, info, table, path, cameras)

@@ -10,14 +10,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import pyarrow as pa
-import pyarrow.compute as pc
-import pyarrow.parquet as pq
-
 from move.realworld.episode import EpisodeRef, Part, Recording
 from move.realworld.formats import lerobot
 from move.realworld.frames import from_video
-from move.realworld.untrusted_names import fill_template, inside, reading
+from move.realworld.parquet import numeric_names, read_columns
+from move.realworld.untrusted_names import fill_template, inside
+from move.untrusted import reading, within
 
 DATA = "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
 VIDEO = "videos/{video_key}/chunk-{chunk_index:03d}/file-{file_index:03d}.mp4"
@@ -35,27 +33,27 @@ def episodes(part: Part) -> list[EpisodeRef]:
     for name in sorted(file for file in part.files if file.startswith("meta/episodes/") and file.endswith(".parquet")):
         path = inside(part.root, name)
         with reading(path, "the episode table of a LeRobot v3.0 data set"):
-            table = pq.ParquetFile(path)
-            wanted = [column for column in table.schema_arrow.names if not column.startswith("stats/")]
-            refs += [_ref(info, row, str(path)) for row in table.read(columns=wanted).to_pylist()]
+            wanted = [name for name in numeric_names(path) if not name.startswith("stats/")]
+            rows = read_columns(path, wanted).to_pylist()
+            within("episodes", len(refs) + len(rows), path)
+            refs += [_ref(info, row, str(path)) for row in rows]
     return sorted(refs, key=lambda ref: ref.index)
 
 
-def _ref(info: dict, row: dict, where: str) -> EpisodeRef:
+def _ref(info: lerobot.Info, row: dict, where: str) -> EpisodeRef:
     """Turn one row of the episode table into a reference."""
     place = {
         "data": fill_template(
-            info.get("data_path") or DATA,
+            info.data_path or DATA,
             {"chunk_index": int(row["data/chunk_index"]), "file_index": int(row["data/file_index"])}, where)
     }
-    for key, feature in info["features"].items():
-        if feature.get("dtype") == "video":
-            file = {
-                "video_key": key, "chunk_index": int(row[f"videos/{key}/chunk_index"]),
-                "file_index": int(row[f"videos/{key}/file_index"]),
-            }
-            name = fill_template(info.get("video_path") or VIDEO, file, where)
-            place[key] = (name, float(row[f"videos/{key}/from_timestamp"]))
+    for key in info.cameras("video"):
+        file = {
+            "video_key": key, "chunk_index": int(row[f"videos/{key}/chunk_index"]),
+            "file_index": int(row[f"videos/{key}/file_index"]),
+        }
+        name = fill_template(info.video_path or VIDEO, file, where)
+        place[key] = (name, float(row[f"videos/{key}/from_timestamp"]))
     files = tuple(value if isinstance(value, str) else value[0] for value in place.values())
     return EpisodeRef(int(row["episode_index"]), files, int(row["length"]), place)
 
@@ -65,11 +63,11 @@ def read(part: Part, ref: EpisodeRef) -> Recording:
     info = lerobot.read_info(part, "v3")
     path = inside(part.root, ref.place["data"])
     with reading(path, "a parquet table of LeRobot v3.0 episodes"):
-        table = pq.read_table(path, filters=pc.field("episode_index") == ref.index)
+        table = lerobot.read_table(path, info, episode=ref.index)
         table = table.sort_by("frame_index") if "frame_index" in table.column_names else table
         cameras = {
             key: from_video(inside(part.root, value[0]), start_s=value[1], count=table.num_rows)
             for key, value in ref.place.items()
             if key != "data"
         }
-        return lerobot.recording(part, ref, info, pa.table(table), path, cameras)
+        return lerobot.recording(part, ref, info, table, path, cameras)

@@ -12,7 +12,6 @@ the streams are not aligned: each is then taken at the time nearest to the slowe
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Sequence
 from pathlib import Path
@@ -23,7 +22,8 @@ from move.realworld.episode import EpisodeRef, Part, Recording, make_recording
 from move.realworld.formats.hdf5 import PIKA_ARMS, PIKA_GRIPPERS, natural
 from move.realworld.frames import from_files
 from move.realworld.state_columns import POSE
-from move.realworld.untrusted_names import inside, reading
+from move.realworld.untrusted_names import inside
+from move.untrusted import read_json, read_text, reading
 
 
 def metadata(files: Sequence[str]) -> list[str]:
@@ -58,7 +58,7 @@ def read(part: Part, ref: EpisodeRef) -> Recording:
             sensors["end_effector"] = pose
             notes.append("end effector is the Pika's own localisation: its frame is the tracker's, not the arm's base")
         colour = folder / "camera/color"
-        cameras = {f"camera {d.name}": d for d in sorted(colour.iterdir())} if colour.is_dir() else {}
+        cameras = {f"camera {name}": colour / name for name in _folders(colour)}
         files, times, note = _align({k: v for k, v in {**sensors, **cameras}.items() if v is not None})
         notes += [note] if note else []
         streams = {"timestamps_s": times} | {name: _VALUES[name](files[name]) for name in sensors if name in files}
@@ -69,9 +69,15 @@ def read(part: Part, ref: EpisodeRef) -> Recording:
 
 def _choose(folder: Path, order: Sequence[str], *, only: bool = False) -> Path | None:
     """The preferred sensor of a folder, else (unless `only`) the first."""
-    names = sorted(child.name for child in folder.iterdir() if child.is_dir()) if folder.is_dir() else []
+    names = _folders(folder)
     chosen = [name for name in order if name in names] or ([] if only else names)
     return folder / chosen[0] if chosen else None
+
+
+def _folders(folder: Path) -> list[str]:
+    """Names of the folders in a folder, hidden ones left out, sorted; none where there is no such folder."""
+    found = (child for child in folder.iterdir() if child.is_dir()) if folder.is_dir() else ()
+    return sorted(child.name for child in found if not child.name.startswith("."))
 
 
 def _stamp(path: Path) -> float:
@@ -84,7 +90,7 @@ def _align(sensors: dict[str, Path]) -> tuple[dict[str, list[Path]], np.ndarray,
     if all(path.is_file() for path in synced.values()):
         files = {
             name: [inside(path.parent, line.strip())
-                   for line in path.read_text().splitlines()
+                   for line in read_text(path).splitlines()
                    if line.strip()]
             for name, path in synced.items()
         }
@@ -112,8 +118,7 @@ def _nearest(stamps: np.ndarray, times: np.ndarray) -> np.ndarray:
 
 
 def _json(path: Path) -> dict:
-    with reading(path, "a JSON file of one sensor reading"):
-        return json.loads(path.read_text(encoding="utf-8"))
+    return read_json(path, "a JSON file of one sensor reading")
 
 
 def _positions(files: Sequence[Path]) -> np.ndarray:

@@ -10,23 +10,21 @@ A buffer is fetched whole: its chunks are shared by neighbouring episodes.
 
 from __future__ import annotations
 
-import re
-import zipfile
-from collections.abc import Iterable, Iterator, Sequence
-from contextlib import closing, contextmanager
-from pathlib import Path
+from collections.abc import Iterable, Sequence
 
 import numpy as np
-import zarr
 
 from move.errors import BadInput
 from move.realworld.episode import EpisodeRef, Part, Recording, make_recording
 from move.realworld.frames import Frames, from_video
-from move.realworld.untrusted_names import inside, reading
+from move.realworld.untrusted_names import inside
+from move.untrusted import reading, within
+from move.untrusted_zarr import PlainArray, PlainGroup, judge
 
 JOINTS, POSE = ("robot_joint", "joint", "joints", "qpos"), ("robot_eef_pose", "eef_pose", "end_pose")
 GRIPPER, TIME = ("robot_gripper", "gripper", "gripper_width"), ("timestamp", "timestamps")
 STATE, SIMULATION = ("state", "keypoints"), {"full_state", "state"}
+EXPECTED = "a zarr replay buffer with meta/episode_ends and data/"
 _METADATA = (".zarray", ".zgroup", ".zattrs", ".zmetadata", "zarr.json")
 
 
@@ -36,58 +34,45 @@ def metadata(files: Sequence[str]) -> list[str]:
 
 
 def episodes(part: Part) -> list[EpisodeRef]:
-    """One episode an entry of `meta/episode_ends`; all of them need the whole buffer."""
-    with _opened(part) as group:
-        ends = np.asarray(group["meta/episode_ends"][:], dtype=np.int64)
+    """One episode an entry of `meta/episode_ends`; all of them need the whole buffer, which is judged here, once."""
+    zipped = part.files[0].endswith(".zarr.zip")
+    path = inside(part.root, part.files[0]) if zipped else part.root
+    with reading(path, EXPECTED):
+        buffer = judge(path)
+        ends_name = "meta/episode_ends"
+        within("episodes", _array(buffer, ends_name).shape[0], f"{path}: {ends_name}")
+        with buffer.opened() as group:
+            ends = np.asarray(group[ends_name][:])
+        if ends.ndim != 1 or ends.dtype.kind not in "iu":
+            raise BadInput(f"{path}: {ends_name} is {ends.dtype} {ends.shape}; expected whole numbers (episodes,)")
+        ends = ends.astype(np.int64)
     starts = np.concatenate([[0], ends[:-1]])
     if (ends <= starts).any():
         raise BadInput(f"{part.root}: meta/episode_ends must increase; found {ends[:6].tolist()}")
     return [
-        EpisodeRef(n, part.files, int(end - start), {"rows": (int(start), int(end))})
+        EpisodeRef(n, part.files, int(end - start), {"rows": (int(start), int(end)), "buffer": buffer})
         for n, (start, end) in enumerate(zip(starts, ends, strict=True))
     ]
 
 
-@contextmanager
-def _opened(part: Part) -> Iterator[zarr.Group]:
-    """Open the buffer for reading; every surprise inside becomes one line."""
-    zipped = part.files[0].endswith(".zarr.zip")
-    path = inside(part.root, part.files[0]) if zipped else part.root
-    with reading(path, "a zarr replay buffer with meta/episode_ends and data/"):
-        _refuse_pickle(path, part.files)
-        if zipped:
-            with closing(zarr.storage.ZipStore(path, mode="r")) as store:
-                yield zarr.open_group(store, mode="r")
-        else:
-            yield zarr.open_group(str(path), mode="r")
-
-
-def _descriptions(path: Path, files: Sequence[str]) -> Iterable[str]:
-    """The text of every description file of a buffer, a zip or a folder of the given files."""
-    if path.is_file():
-        with zipfile.ZipFile(path) as archive:
-            yield from (archive.read(n).decode("utf-8", "replace") for n in archive.namelist() if n.endswith(_METADATA))
-    else:
-        yield from (inside(path, file).read_text(encoding="utf-8", errors="replace")
-                    for file in files
-                    if file.endswith(_METADATA))
-
-
-def _refuse_pickle(path: Path, files: Sequence[str]) -> None:
-    """Refuse a buffer that asks for the pickle codec: reading it would run whatever it holds."""
-    if any(re.search(r'"(id|name)"\s*:\s*"[^"]*pickle', text) for text in _descriptions(path, files)):
-        raise BadInput(f"{path} uses the pickle codec, which runs code when read; only plain arrays are read")
+def _array(buffer: PlainGroup, name: str) -> PlainArray:
+    if name not in buffer.arrays:
+        raise BadInput(f"{buffer.path}: {name} is missing; found {sorted(buffer.arrays)[:8]}")
+    return buffer.arrays[name]
 
 
 def read(part: Part, ref: EpisodeRef) -> Recording:
     """Read the rows of one episode; images only when asked for."""
-    with _opened(part) as group:
-        data = group["data"]
-        start, end = ref.place["rows"]
+    buffer, (start, end) = ref.place["buffer"], ref.place["rows"]
+    names = {name.removeprefix("data/"): about for name, about in buffer.arrays.items() if name.startswith("data/")}
+    with reading(buffer.path, EXPECTED), buffer.opened() as group:
 
-        def rows(names: Sequence[str]) -> np.ndarray | None:
-            key = next((name for name in names if name in data), None)
-            return None if key is None else np.asarray(data[key][start:end])
+        def rows(choices: Sequence[str]) -> np.ndarray | None:
+            key = next((name for name in choices if name in names), None)
+            if key is None:
+                return None
+            within("memory_bytes", (end - start) * names[key].row_bytes, f"{buffer.path}: data/{key}")
+            return np.asarray(group[f"data/{key}"][start:end])
 
         gripper = rows(GRIPPER)
         streams = {
@@ -95,23 +80,26 @@ def read(part: Part, ref: EpisodeRef) -> Recording:
             "gripper": None if gripper is None else gripper.reshape(len(gripper), -1)[:, 0], "timestamps_s": rows(TIME),
             "state": rows(STATE),
         }
-        images = {key: _frames(part, key, start, end) for key, array in data.arrays() if array.ndim == 4}
-        simulated = set(data.array_keys()) >= SIMULATION
-        notes = ["simulation data: the state is not a robot's joints, and is kept as stored"] if simulated else []
+    images = {key: _frames(buffer, key, start, end) for key, about in names.items() if len(about.shape) == 4}
+    notes = ["simulation data: the state is not a robot's joints, and is kept as stored"] if set(
+        names) >= SIMULATION else []
     return make_recording(part, ref, streams, fps=30.0, source=part.root, cameras=images | _videos(part, ref),
                           notes=notes)
 
 
-def _frames(part: Part, key: str, start: int, end: int) -> Frames:
+def _frames(buffer: PlainGroup, key: str, start: int, end: int) -> Frames:
     def load(numbers: Sequence[int]) -> Iterable[np.ndarray]:
-        with _opened(part) as group:
+        with buffer.opened() as group:
             for number in numbers:
                 yield np.asarray(group["data"][key][start + number])
 
-    return Frames(f"{part.root}:data/{key}", lambda: end - start, load)
+    stored = max(0, min(end, buffer.arrays[f"data/{key}"].shape[0]) - start)
+    return Frames(f"{buffer.path}:data/{key}", lambda: stored, load)
 
 
 def _videos(part: Part, ref: EpisodeRef) -> dict[str, Frames]:
-    """Videos of this episode beside the buffer."""
-    folder = part.root.parent / "videos" / str(ref.index)
-    return {path.stem: from_video(path) for path in sorted(folder.glob("*.mp4"))} if folder.is_dir() else {}
+    """Videos of this episode beside the buffer, where that is inside the data set."""
+    zipped = part.files[0].endswith(".zarr.zip")
+    folder = (part.root if zipped else part.root.parent) / "videos" / str(ref.index)
+    known = part.name != "." and folder.is_dir()
+    return {path.stem: from_video(path) for path in sorted(folder.glob("*.mp4"))} if known else {}
