@@ -82,7 +82,7 @@ def collect(
     from move import paths
     from move.learn import dataset
     from move.sim import collect as collecting
-    from move.study.validation import build
+    from move.validation import build
 
     chosen = build(collecting.Collection, task=task, method=method, timesteps=timesteps, observation=observation,
                    image_size=image_size, factors=factors, protocol=protocol, expert=expert,
@@ -138,7 +138,7 @@ def train(
     from move.learn import train as training
     from move.learn.settings import Training
     from move.study.profiles import load_profile
-    from move.study.validation import build
+    from move.validation import build
 
     demonstrations, _ = dataset.load(data, clip_actions)
     observation = "rgb" if demonstrations.has_images else "keypoints"
@@ -172,7 +172,7 @@ def evaluate(
     from move.learn.checkpoint import load_policy
     from move.sim.observe import KEYPOINTS
     from move.sim.tasks import FACTORS, get_task
-    from move.study.validation import build
+    from move.validation import build
 
     if factors not in FACTORS:
         raise BadInput(f"factors: {factors!r} given; allowed are {', '.join(FACTORS)}")
