@@ -115,12 +115,13 @@ def export(
     out: Annotated[Path, typer.Argument(help="new folder to write")],
     form: Annotated[str, typer.Option("--format", help="lerobot (v3.0) or zarr (diffusion_policy)")] = "lerobot",
     clip_actions: ClipActions = False,
+    whole_episodes: Annotated[bool, typer.Option("--whole-episodes", help="without the one cut by the budget")] = False,
     as_json: Json = False,
 ) -> None:
     """Write collected demonstrations as another program's data set."""
     from move.study.export import export as write
 
-    show(write(data, out, form, clip_actions), as_json, "Exported")
+    show(write(data, out, form, clip_actions, whole_episodes), as_json, "Exported")
 
 
 @app.command()
