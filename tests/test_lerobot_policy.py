@@ -53,7 +53,7 @@ PICTURES = {"observation.state": (2,), "observation.images.camera": (3, 32, 32)}
 
 @pytest.fixture
 def told(tmp_path, monkeypatch):
-    """A agent of the fake policy, and what was noted there."""
+    """An agent of the fake policy, and what was noted there."""
     (tmp_path / "config.json").write_text("{}")
     (tmp_path / "model.safetensors").write_text("")
     notes, agents = tmp_path / "notes", []

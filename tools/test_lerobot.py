@@ -25,7 +25,9 @@ SIZES = {"keypoints": 500, "rgb": 300}  # timesteps
 SMALL = {
     "diffusion": ("--policy.down_dims=[64,128]", "--policy.num_inference_steps=4"),
     "act": ("--policy.dim_model=64", "--policy.dim_feedforward=64", "--policy.chunk_size=8",
-            "--policy.n_action_steps=8", "--policy.pretrained_backbone_weights=null"),
+            "--policy.n_action_steps=8", "--policy.pretrained_backbone_weights=null",
+            '--policy.normalization_mapping={"VISUAL":"MEAN_STD","STATE":"QUANTILES","ENV":"QUANTILES","ACTION":'
+            '"QUANTILES"}'),
 }
 OFFLINE = {**os.environ, "HF_HUB_OFFLINE": "1", "OMP_NUM_THREADS": "1"}
 
