@@ -11,6 +11,7 @@ from move.paper import PAPER_METHODS
 from move.sim.collect import surrounded
 from move.sim.collection import Collection
 from move.sim.motion.wrappers import Part
+from move.sim.observe import IMAGE_SIZE
 from move.sim.scene import checks
 from move.sim.scene.scene import Scene
 from move.validation import build
