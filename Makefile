@@ -3,6 +3,7 @@ PROFILE ?= laptop
 PYTHON ?= python3
 BIN := .venv/bin
 READY := .venv/ready
+LEROBOT := build/lerobot-venv
 CLUSTER_OPTION := $(if $(CLUSTER),--cluster $(CLUSTER))
 NOTEBOOKS := $(basename $(notdir $(wildcard notebooks/*.ipynb)))
 NUMBERED := $(filter fig% table1% table2% table3% table4% table5% table6%,$(NOTEBOOKS))
@@ -12,11 +13,11 @@ SHORT := $(foreach name,$(NUMBERED),$(firstword $(subst _, ,$(name))))
 STORED_ONLY := $(if $(shell grep -l '^shipped: true' profiles/$(PROFILE).yaml 2>/dev/null),--stored-only)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup figures runs test test-slow plan verify lab bench doctor lock clean fig8 $(NOTEBOOKS) $(SHORT)
+.PHONY: help setup figures runs test test-slow test-lerobot plan verify lab bench doctor lock clean fig8 $(NOTEBOOKS) $(SHORT)
 
 help:  ## print this list
 	@echo "usage: make TARGET [PROFILE=smoke|laptop|...] [CLUSTER=tcp://host:8786] [TORCH_INDEX=url]"
-	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  %-10s %s\n", $$1, $$2}'
+	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  %-12s %s\n", $$1, $$2}'
 	@echo "  one figure or table: $(sort $(NOTEBOOKS))"
 
 setup: $(READY)  ## build .venv from environment.lock
@@ -53,6 +54,14 @@ test: $(READY)  ## run every test
 
 test-slow: $(READY)  ## run the tests that take minutes: the paper's own batch
 	$(BIN)/python -m pytest -q -m slow
+
+$(LEROBOT)/ready:
+	$(PYTHON) -m venv --clear $(LEROBOT)
+	$(LEROBOT)/bin/pip install --quiet 'lerobot>=0.4,<0.5'
+	@touch $@
+
+test-lerobot: $(READY) $(LEROBOT)/ready  ## LeRobot itself reads exports, trains on them, is tried (downloads 8 GB)
+	$(BIN)/python tools/test_lerobot.py $(LEROBOT)/bin/python
 
 plan: $(READY)  ## what would run, how long it takes, and why
 	$(BIN)/move plan --profile $(PROFILE)

@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Optional
 
@@ -82,7 +82,7 @@ def collect(
     from move import paths
     from move.learn import dataset
     from move.sim import collect as collecting
-    from move.study.validation import build
+    from move.validation import build
 
     chosen = build(collecting.Collection, task=task, method=method, timesteps=timesteps, observation=observation,
                    image_size=image_size, factors=factors, protocol=protocol, expert=expert,
@@ -115,12 +115,13 @@ def export(
     out: Annotated[Path, typer.Argument(help="new folder to write")],
     form: Annotated[str, typer.Option("--format", help="lerobot (v3.0) or zarr (diffusion_policy)")] = "lerobot",
     clip_actions: ClipActions = False,
+    whole_episodes: Annotated[bool, typer.Option("--whole-episodes", help="without the one cut by the budget")] = False,
     as_json: Json = False,
 ) -> None:
     """Write collected demonstrations as another program's data set."""
     from move.study.export import export as write
 
-    show(write(data, out, form, clip_actions), as_json, "Exported")
+    show(write(data, out, form, clip_actions, whole_episodes), as_json, "Exported")
 
 
 @app.command()
@@ -138,7 +139,7 @@ def train(
     from move.learn import train as training
     from move.learn.settings import Training
     from move.study.profiles import load_profile
-    from move.study.validation import build
+    from move.validation import build
 
     demonstrations, _ = dataset.load(data, clip_actions)
     observation = "rgb" if demonstrations.has_images else "keypoints"
@@ -160,6 +161,9 @@ def evaluate(
     starts: Annotated[str, typer.Option(help="random, moving or grid")] = "random",
     episodes: Annotated[int, typer.Option(help="number of random configurations")] = 100,
     factors: Annotated[str, typer.Option(help="what is random: object, object+target or all")] = "all",
+    lerobot: Annotated[Optional[Path], typer.Option(help="instead: a policy that lerobot-train wrote")] = None,
+    lerobot_python: Annotated[Optional[Path], typer.Option(help="a Python that has LeRobot (default: under build/)"
+                                                           )] = None,
     seed: Seed = 0,
     as_json: Json = False,
 ) -> None:
@@ -172,19 +176,31 @@ def evaluate(
     from move.learn.checkpoint import load_policy
     from move.sim.observe import KEYPOINTS
     from move.sim.tasks import FACTORS, get_task
-    from move.study.validation import build
+    from move.validation import build
 
     if factors not in FACTORS:
         raise BadInput(f"factors: {factors!r} given; allowed are {', '.join(FACTORS)}")
     plan = build(evaluating.Evaluation, starts=starts, episodes=episodes, factors=factors)
     if agent not in ("policy", *agents.CONTROLS):
         raise BadInput(f"agent: {agent!r} given; allowed are policy, {', '.join(agents.CONTROLS)}")
-    if agent == "policy" and checkpoint is None:
+    if lerobot is not None and (checkpoint is not None or agent != "policy"):
+        raise BadInput(f"lerobot: {lerobot} given beside another agent; allowed is one of them")
+    if agent == "policy" and checkpoint is None and lerobot is None:
         raise BadInput("checkpoint: none given; a policy needs the folder that `move train` wrote")
-    policy = load_policy(checkpoint) if checkpoint and agent == "policy" else None
-    who: agents.Agent = agents.PolicyAgent(policy, seed) if policy else agents.CONTROLS[agent](seed)
-    seen = policy.observation if policy else KEYPOINTS
-    with progress("evaluate") as report:
+    with ExitStack() as stack:
+        who: agents.Agent
+        seen = KEYPOINTS
+        if lerobot is not None:
+            from move.study.lerobot_policy import PYTHON, LeRobotAgent
+
+            served = stack.enter_context(LeRobotAgent(lerobot, lerobot_python or PYTHON, seed))
+            who, seen, agent = served, served.observation, "lerobot"
+        elif checkpoint and agent == "policy":
+            policy = load_policy(checkpoint)
+            who, seen = agents.PolicyAgent(policy, seed), policy.observation
+        else:
+            who = agents.CONTROLS[agent](seed)
+        report = stack.enter_context(progress("evaluate"))
         rows = evaluating.evaluate(who, get_task(task), plan, seen, report)
     rate = float(np.mean([row["success"] for row in rows]))
     low, high = wilson_interval(rate, len(rows))

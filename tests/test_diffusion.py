@@ -10,7 +10,7 @@ import torch
 from pydantic import ValidationError
 
 from move.errors import BadInput
-from move.learn.denoisers import DENOISERS, ResidualMLP, UNet
+from move.learn.denoisers import DENOISERS, ResidualMLP, TimeConvolution, UNet
 from move.learn.diffusion import DiffusionPolicy, MinMaxNormalizer, crop, noise_schedule
 from move.learn.encoders import ENCODERS, ResNet18, SmallCNN, SpatialSoftmax
 from move.learn.settings import Training
@@ -317,3 +317,16 @@ def test_a_large_gain_gives_every_pattern_a_place_of_its_own():
 def test_learning_from_all_frames_is_said_by_leaving_it_out():
     with pytest.raises(ValidationError, match="learning_frames 2 is not below"):
         image_settings(learning_frames=2)
+
+
+@pytest.mark.parametrize("timesteps, taps", [(1, 5), (2, 5), (4, 5), (3, 3)])
+def test_a_convolution_along_time_is_pytorchs_with_its_gradients(timesteps, taps):
+    ours = TimeConvolution(6, 8, taps, padding=taps // 2)
+    theirs = torch.nn.Conv1d(6, 8, taps, padding=taps // 2)
+    theirs.load_state_dict(ours.state_dict())
+    seen, wanted = torch.randn(3, 6, timesteps), torch.randn(3, 8, timesteps)
+    for network in (ours, theirs):
+        ((network(seen) - wanted) ** 2).sum().backward()
+    torch.testing.assert_close(ours(seen), theirs(seen))
+    torch.testing.assert_close(ours.weight.grad, theirs.weight.grad)
+    torch.testing.assert_close(ours.bias.grad, theirs.bias.grad)

@@ -10,8 +10,10 @@ import pytest
 from move.errors import BadInput
 from move.learn import dataset
 from move.realworld import open_dataset
+from move.sim.collect import Collection, collect, record_attributes
 from move.sim.demonstrations import Demonstrations
 from move.study import export as exporting
+from move.study.feature_stats import QUANTILES, feature_stats
 
 ATTRIBUTES = {"collection": {"task": "pick-place", "method": "move"}, "seed": 3}
 ENDS = np.array([7, 12, 20])
@@ -94,11 +96,68 @@ def test_pooled_statistics_are_those_of_all_frames(tmp_path, images):
     exporting.export(tmp_path / "a.zarr", tmp_path / "out", "lerobot")
     stats = json.loads((tmp_path / "out/meta/stats.json").read_text())
     key = exporting.CAMERA if images else exporting.STATE
-    expected = exporting.feature_stats(written.observations)
+    expected = feature_stats(written.observations)
     assert set(stats[key]) == set(expected) and stats[key]["count"] == [20]
-    for name, values in expected.items():
-        np.testing.assert_allclose(stats[key][name], values, rtol=1e-5, atol=1e-7)
-    assert np.shape(stats[key]["mean"]) == ((3, 1, 1) if images else (27,))
+    for name in ("min", "max", "mean", "std"):
+        np.testing.assert_allclose(stats[key][name], expected[name], rtol=1e-5, atol=1e-7)
+    assert {np.shape(stats[key][name]) for name in QUANTILES} == {(3, 1, 1) if images else (27,)}
+    for name, share in QUANTILES.items():  # LeRobot's rule: the mean of the episodes' own, weighted by their frames
+        each = [np.quantile(piece.reshape(-1, piece.shape[-1]), share, axis=0, method="inverted_cdf")
+                for piece in pieces(written.observations)]
+        wanted = np.average(each, axis=0, weights=[7, 5, 8]) / (255 if images else 1)
+        np.testing.assert_allclose(np.ravel(stats[key][name]), wanted, rtol=1e-5, atol=1e-7)
+
+
+def test_episodes_keep_their_own_statistics(tmp_path):
+    written = write(tmp_path / "a.zarr")
+    exporting.export(tmp_path / "a.zarr", tmp_path / "out", "lerobot")
+    row = pq.read_table(tmp_path / "out" / exporting.EPISODES).to_pylist()[1]
+    for name, values in feature_stats(written.actions[7:12]).items():
+        assert row[f"stats/action/{name}"] == values
+
+
+def collected(timesteps: int, **choices) -> tuple[Demonstrations, dict]:
+    chosen = Collection(task="pick-place", timesteps=timesteps, **choices)
+    demonstrations, record = collect(chosen, 0)
+    return demonstrations, json.loads(json.dumps(record_attributes(chosen, 0, record)))
+
+
+def test_whole_episodes_leave_out_the_one_that_the_budget_cut(tmp_path):
+    demonstrations, attributes = collected(250, method="static")
+    dataset.save(demonstrations, tmp_path / "a.zarr", attributes)
+    for form in exporting.FORMATS:
+        about = exporting.export(tmp_path / "a.zarr", tmp_path / form, form, whole_episodes=True)
+        assert about["episodes"] == demonstrations.episodes - 1
+        assert about["timesteps"] == demonstrations.episode_ends[-2] < 250
+    kept, stored = dataset.load(tmp_path / "zarr")
+    assert np.array_equal(kept.observations, demonstrations.observations[: kept.timesteps])
+    assert stored == attributes | {"whole_episodes": True}
+
+
+def test_where_the_budget_cut_nothing_all_episodes_are_whole():
+    first, _ = collected(1000, method="static")
+    demonstrations, attributes = collected(int(first.episode_ends[2]), method="static")
+    assert exporting.whole(demonstrations, attributes).episodes == demonstrations.episodes == 3
+
+
+def test_of_a_mixture_each_methods_last_episode_is_left_out():
+    demonstrations, attributes = collected(600, method="mixture", shares={"static": 0.5, "move": 0.5})
+    whole = exporting.whole(demonstrations, attributes)
+    cut = demonstrations.episode_ends.tolist().index(300)
+    assert whole.lengths.tolist() == np.delete(demonstrations.lengths, [cut, -1]).tolist()
+    part, _ = collected(300, method="static")
+    assert np.array_equal(whole.actions[: part.episode_ends[-2]], part.actions[: part.episode_ends[-2]])
+
+
+@pytest.mark.parametrize("timesteps, attributes, message", [
+    (250, {}, "nothing says how these demonstrations were collected"),
+    (250, {"collection": {"task": "moon"}, "record": {}}, "nothing says how"),
+    (50, None, "none among 1"),
+])
+def test_whole_episodes_that_cannot_be_known_are_refused(timesteps, attributes, message):
+    demonstrations, own = collected(timesteps, method="static")
+    with pytest.raises(BadInput, match=message):
+        exporting.whole(demonstrations, own if attributes is None else attributes)
 
 
 def test_the_states_numbers_are_named_after_keypoints(tmp_path):

@@ -17,7 +17,7 @@ from move.study.kinds import policy_run
 from move.study.labels import grid
 from move.study.profiles import load_profile
 from move.study.spec import CollectionRun, PolicyRun
-from move.study.validation import build
+from move.validation import build
 
 HALF = {"static": 0.5, "move": 0.5}
 

@@ -11,7 +11,7 @@ from move.study.coverage import configurations
 from move.study.kinds import policy_run
 from move.study.labels import grid
 from move.study.profiles import load_profile
-from move.study.validation import build
+from move.validation import build
 
 
 def plan(**changes) -> Collection:
@@ -57,6 +57,12 @@ def test_a_rotation_can_be_left_out_where_there_is_one():
     assert episode.grasp.object_yaw == episode.start.object_yaw
 
 
+def test_a_rotation_turns_as_fast_as_is_chosen():
+    usual, fast = (next(attempts(plan(task="assembly", **choice), 0)) for choice in ({}, {"yaw_speed": 0.02}))
+    turned = [episode.grasp.object_yaw - episode.start.object_yaw for episode in (usual, fast)]
+    assert usual.start == fast.start and abs(turned[1]) > abs(turned[0]) > 0
+
+
 @pytest.mark.parametrize("same", [
     {"object_speed": 0.03}, {"target_speed": 0.03}, {"camera_speed": Motions().camera_speed},
     {"moving": ("camera", "object", "target")}, {"moving": ["object", "target", "camera"]},
@@ -81,6 +87,7 @@ def test_without_a_choice_motions_are_what_they_were():
     ({"camera_speed": float("nan")}, "camera_speed: nan given"),
     ({"target_speed": 0.5}, "target_speed: 0.5 given; input should be less than or equal to 0.3"),
     ({"camera_speed": 1.0}, "camera_speed: 1.0 given; input should be less than or equal to 0.349"),
+    ({"yaw_speed": 0.1}, "the rotation does not move; allowed are speeds of object, target, camera"),
     ({"moving": ("moon",)}, "'moon' given; input should be 'object'"),
     ({"moving": ()}, "nothing given; allowed are one or more of object, target, camera"),
     ({"moving": ("object", "object")}, "each once"),

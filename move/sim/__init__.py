@@ -11,4 +11,5 @@ grasp_points.py    where demonstrations grasp in the preliminary experiments
 collection.py      what to collect, as data: methods, motions, shares of a mixture
 collect.py         demonstrations under an exact budget of timesteps
 demonstrations.py  what collection produces and training consumes
+moving_scene.py    what Gymnasium makes of MOVE/<task>-v0
 """

@@ -73,21 +73,24 @@ class Episode:
 
 
 def collecting_env(collection: Collection) -> gymnasium.Env:
-    """The scene with what its method moves around it.
+    """The scene of a collection with what its method moves around it; see `surrounded`."""
+    return surrounded(Scene(collection.task, collection.observation, collection.image_size), collection)
+
+
+def surrounded(scene: Scene, collection: Collection) -> gymnasium.Env:
+    """`scene` with what the collection's method moves around it.
 
     Raises:
         BadInput: a mixture, whose parts have an environment each.
     """
     if collection.method == "mixture":
         raise BadInput("method: 'mixture' given; allowed here is each of its parts")
-    task = get_task(collection.task)
-    scene = Scene(task, collection.observation, collection.image_size)
     if collection.method == "static":
         return scene
     if collection.method == "adc":
         return Jumps(scene, collection.factors, collection.jumping)
     arrive = collection.protocol != "random"
-    region = motion_region(collection.protocol, task)
+    region = motion_region(collection.protocol, scene.task)
     return with_motions(scene, collection.motions_used, collection.factors, region, arrive)
 
 

@@ -21,7 +21,10 @@ FASTEST = 0.3  # metres per step: across the object's range in one step
 FASTEST_TURN = math.radians(20)  # radians per step: a half circle in nine steps
 Speed = Annotated[float, Field(gt=0, le=FASTEST, allow_inf_nan=False)]
 Share = Annotated[float, Field(gt=0, lt=1, allow_inf_nan=False)]
-MOTION_CHOICES = ("moving", "object_speed", "target_speed", "camera_speed")
+Turn = Annotated[float, Field(gt=0, le=FASTEST_TURN, allow_inf_nan=False)]
+SPEEDS: dict[Part, str] = {"object": "object_speed", "rotation": "yaw_speed", "target": "target_speed",
+                           "camera": "camera_speed"}
+MOTION_CHOICES = ("moving", *SPEEDS.values())
 
 
 class Collection(BaseModel):
@@ -52,8 +55,9 @@ class Collection(BaseModel):
     moving: tuple[Part, ...] | None = Field(default=None, description="what moves under MOVE; None: all that can")
     object_speed: Speed | None = Field(default=None, description="the largest; metres per step; None: that of motions")
     target_speed: Speed | None = Field(default=None, description="the same of the target")
-    camera_speed: Annotated[float, Field(gt=0, le=FASTEST_TURN, allow_inf_nan=False)] | None = Field(
-        default=None, description="the same of the camera; radians per step"
+    camera_speed: Turn | None = Field(default=None, description="the same of the camera; radians per step")
+    yaw_speed: Turn | None = Field(
+        default=None, description="the same of the object's rotation; radians per step, before the task's scale"
     )
 
     @field_validator("task", "factors")
@@ -89,14 +93,15 @@ class Collection(BaseModel):
                              "each once")
         return None if set(moving) == set(able) else tuple(part for part in able if part in moving)
 
-    @field_validator("object_speed", "target_speed", "camera_speed")
+    @field_validator(*SPEEDS.values())
     @classmethod
     def _of_what_moves(cls, speed: float | None, info: ValidationInfo) -> float | None:
         if speed is None or not {"task", "method", "factors", "motions", "moving"} <= info.data.keys():
             return speed
         able = info.data["moving"] or _able_to_move(info.data)
         name = str(info.field_name)
-        if (part := name.removesuffix("_speed")) not in able:
+        part = next(part for part, field in SPEEDS.items() if field == name)
+        if part not in able:
             raise ValueError(f"the {part} does not move; allowed are speeds of {', '.join(able)}")
         return None if speed == getattr(Motions(), name) else speed
 
@@ -161,9 +166,7 @@ class Collection(BaseModel):
         """MOVE's motions with the choices of this collection: the largest speeds, 0 of a part that stands still."""
         chosen = {name: getattr(self, name) for name in MOTION_CHOICES[1:] if getattr(self, name) is not None}
         if self.moving is not None:
-            fields = {"object": "object_speed", "rotation": "yaw_speed", "target": "target_speed",
-                      "camera": "camera_speed"}
-            chosen |= {field: 0.0 for part, field in fields.items() if part not in self.moving}
+            chosen |= {field: 0.0 for part, field in SPEEDS.items() if part not in self.moving}
         return self.motions.model_copy(update=chosen)
 
 

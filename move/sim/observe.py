@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import atexit
 import math
+import os
 from dataclasses import dataclass
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
@@ -67,14 +68,18 @@ class Renderer:
     """Renders square RGB pictures of any scene that shares one compiled model.
 
     Raises:
-        BadInput: no GL library can be used.
+        BadInput: no GL library can be used, or the process was forked from one that drew.
     """
+
+    opened_in: ClassVar[int | None] = None  # the process that opened GL
 
     def __init__(self, model, size: int) -> None:
         import mujoco
 
         if problem := gl_problem():
             raise BadInput(problem)
+        Renderer.opened_in = Renderer.opened_in or os.getpid()
+        _check_process()
         model.vis.quality.offsamples = 0
         model.vis.global_.offwidth = model.vis.global_.offheight = size
         model.vis.global_.fovy = math.degrees(camera.FIELD_OF_VIEW)
@@ -90,6 +95,14 @@ class Renderer:
 
     def render(self, data, camera_angle: float) -> np.ndarray:
         """The picture seen from `camera_angle` (radians), shape (size, size, 3), uint8."""
+        _check_process()
         self._camera.azimuth = math.degrees(camera_angle) + 180.0
         self._renderer.update_scene(data, camera=self._camera)
         return self._renderer.render().copy()
+
+
+def _check_process() -> None:
+    """Refuse to draw in a fork of a process that drew: GL's threads are not in it, and it would wait for ever."""
+    if Renderer.opened_in != os.getpid():
+        raise BadInput("pictures were drawn before this process was forked; allowed is to spawn it (context='spawn') "
+                       "or to draw nothing before")

@@ -29,14 +29,17 @@ import numpy as np
 import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
+from pydantic import ValidationError
 
 from move.errors import BadInput
 from move.learn import dataset
 from move.realworld.lerobot_files import scalar_columns, scalar_features, vectors
+from move.sim.collection import Collection
 from move.sim.demonstrations import Demonstrations
 from move.sim.observe import keypoint_names
 from move.sim.scene.scene import Scene
 from move.sim.tasks import TASKS
+from move.study.feature_stats import Stats, feature_stats, pooled_stats
 from move.video import write_video
 
 FORMATS = ("lerobot", "zarr")
@@ -53,13 +56,15 @@ PIXEL_FORMAT = "yuv444p"
 VIDEO_OPTIONS = {"crf": "8", "g": "2", "bf": "0", "preset": "medium"}
 
 
-def export(data: Path, out: Path, form: str, clip_actions: bool = False) -> dict[str, Any]:
+def export(data: Path, out: Path, form: str, clip_actions: bool = False, whole_episodes: bool = False
+           ) -> dict[str, Any]:
     """Write the demonstrations of folder `data` to the new folder `out`, whole or not at all.
 
     Args:
         data: a zarr folder that `move.learn.dataset.load` reads.
         form: one of `FORMATS`; "zarr" rewrites the store with the keys and checks of `move.learn.dataset.save`.
         clip_actions: see `move.learn.dataset.load`.
+        whole_episodes: leave out what the budget of timesteps cut short, see `whole`.
 
     Returns:
         path, format, episodes, timesteps, observation ("images" or "numbers") and megabytes.
@@ -73,6 +78,8 @@ def export(data: Path, out: Path, form: str, clip_actions: bool = False) -> dict
     if out.exists():
         raise BadInput(f"{out} exists; allowed is a new folder")
     demonstrations, attributes = dataset.load(data, clip_actions)
+    if whole_episodes:
+        demonstrations, attributes = whole(demonstrations, attributes), {**attributes, "whole_episodes": True}
     beside = out.with_name(f".{out.name}.{uuid.uuid4().hex}")
     try:
         if form == "zarr":
@@ -88,6 +95,32 @@ def export(data: Path, out: Path, form: str, clip_actions: bool = False) -> dict
     return {"path": str(out), "format": form, "episodes": demonstrations.episodes,
             "timesteps": demonstrations.timesteps,
             "observation": "images" if demonstrations.has_images else "numbers", "megabytes": size / 1e6}
+
+
+def whole(demonstrations: Demonstrations, attributes: dict[str, Any]) -> Demonstrations:
+    """The demonstrations without the last one, if the budget of timesteps cut it; of a mixture without each method's.
+
+    Args:
+        attributes: what `move collect` stored beside them: the collection and its record.
+
+    Raises:
+        BadInput: nothing says how they were collected, or none is whole.
+    """
+    try:
+        collection = Collection.model_validate_json(json.dumps(attributes["collection"]))
+        record = attributes["record"]
+        steps = record["mean_steps"] * record["demonstrations"]  # before any was cut
+    except (KeyError, TypeError, ValidationError) as error:
+        raise BadInput("whole episodes: nothing says how these demonstrations were collected; allowed are those of "
+                       "`move collect`") from error
+    if round(steps) <= demonstrations.timesteps:
+        return demonstrations
+    budgets = np.cumsum([part.timesteps for part in collection.parts])
+    kept = ~np.isin(demonstrations.episode_ends, budgets)
+    if not kept.any():
+        raise BadInput(f"whole episodes: none among {demonstrations.episodes}; allowed are larger collections")
+    lengths, rows = demonstrations.lengths, np.repeat(kept, demonstrations.lengths)
+    return Demonstrations(demonstrations.observations[rows], demonstrations.actions[rows], np.cumsum(lengths[kept]))
 
 
 def write_lerobot(demonstrations: Demonstrations, folder: Path, attributes: dict[str, Any]) -> None:
@@ -158,7 +191,7 @@ def _info(demonstrations: Demonstrations, task: str) -> dict[str, Any]:
     }
 
 
-def _episode_rows(demonstrations: Demonstrations, stats: list[dict], task: str) -> list[dict[str, Any]]:
+def _episode_rows(demonstrations: Demonstrations, stats: list[dict[str, Stats]], task: str) -> list[dict[str, Any]]:
     """One row an episode of the episode table: its frames, its seconds of video, its statistics."""
     rows = []
     for index, (end, length) in enumerate(zip(demonstrations.episode_ends, demonstrations.lengths, strict=True)):
@@ -174,8 +207,8 @@ def _episode_rows(demonstrations: Demonstrations, stats: list[dict], task: str) 
     return rows
 
 
-def _episode_stats(demonstrations: Demonstrations, numbers: dict[str, np.ndarray]) -> list[dict[str, dict]]:
-    """Statistics of each episode: feature -> min, max, mean, std, count."""
+def _episode_stats(demonstrations: Demonstrations, numbers: dict[str, np.ndarray]) -> list[dict[str, Stats]]:
+    """Statistics of each episode, by feature."""
     found = []
     for end, length in zip(demonstrations.episode_ends, demonstrations.lengths, strict=True):
         mine = slice(end - length, end)
@@ -184,37 +217,3 @@ def _episode_stats(demonstrations: Demonstrations, numbers: dict[str, np.ndarray
             stats[CAMERA] = feature_stats(demonstrations.observations[mine])
         found.append(stats)
     return found
-
-
-def feature_stats(values: np.ndarray) -> dict[str, list]:
-    """min, max, mean, std and count, as LeRobot keeps them.
-
-    Args:
-        values: (T, n) numbers, or (T, height, width, 3) uint8 images, whose statistics are per channel, in [0, 1],
-            of shape (3, 1, 1).
-
-    >>> feature_stats(np.array([[1.0], [3.0]]))
-    {'min': [1.0], 'max': [3.0], 'mean': [2.0], 'std': [1.0], 'count': [2]}
-    """
-    images = values.ndim == 4
-    table = values.reshape(-1, values.shape[-1])
-    scale, shape = (255.0, (3, 1, 1)) if images else (1.0, (-1,))
-    moments = {"min": table.min(axis=0), "max": table.max(axis=0), "mean": table.mean(axis=0, dtype=np.float64),
-               "std": table.std(axis=0, dtype=np.float64)}
-    found = {name: (moment / scale).reshape(shape).tolist() for name, moment in moments.items()}
-    return {**found, "count": [len(values)]}
-
-
-def pooled_stats(episodes: list[dict[str, dict]]) -> dict[str, dict]:
-    """Statistics of all frames from those of the episodes."""
-    pooled = {}
-    for feature in episodes[0]:
-        low, high, mean, std = (np.array([stats[feature][name] for stats in episodes])
-                                for name in ("min", "max", "mean", "std"))
-        count = np.array([stats[feature]["count"][0] for stats in episodes])
-        weight = (count / count.sum()).reshape(-1, *[1] * (mean.ndim - 1))
-        centre = (weight * mean).sum(axis=0)
-        spread = np.sqrt((weight * (std**2 + (mean - centre) ** 2)).sum(axis=0))
-        pooled[feature] = {"min": low.min(axis=0).tolist(), "max": high.max(axis=0).tolist(),
-                           "mean": centre.tolist(), "std": spread.tolist(), "count": [int(count.sum())]}
-    return pooled

@@ -19,7 +19,7 @@ from move.sim.collect import Collection
 from move.sim.motion.adc import MENDED
 from move.study.profiles import Profile
 from move.study.spec import CollectionRun, ControlRun, PolicyRun
-from move.study.validation import build
+from move.validation import build
 
 CHOSEN: dict[str, dict[str, Any]] = {"adc": {"jumping": MENDED}}
 """By method: how it collects wherever it is compared. ADC has all its jumps: table_adc compares the readings."""

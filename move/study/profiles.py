@@ -15,7 +15,7 @@ from move.machine import gl_problem
 from move.paths import PROFILES
 from move.sim.collection import Method
 from move.sim.observe import IMAGE_SIZE
-from move.study.validation import first_problem
+from move.validation import first_problem
 
 
 class Profile(BaseModel):

@@ -4,4 +4,5 @@ scene.py         the Gymnasium environment: reset, step, move object, target and
 scene_state.py   what can be read of it: points, yaws, joints, contacts
 shared_model.py  a task's compiled model, shared by its scenes
 camera.py        the camera on its cylinder
+checks.py        what a scene is asked for, checked
 """

@@ -19,14 +19,17 @@ import numpy as np
 from gymnasium.spaces import Box as BoxSpace
 
 from move.errors import BadInput
+from move.machine import gl_problem
 from move.sim.configuration import SpatialConfiguration, Vector, vector
 from move.sim.geometry import limited
 from move.sim.observe import IMAGE_SIZE, ObservationKind, keypoint_names, keypoint_slices, keypoints
+from move.sim.scene import checks
 from move.sim.scene.scene_state import Readable
 from move.sim.scene.shared_model import LEFT, OBJECT, PALM, RIGHT, shared_world, stands
-from move.sim.tasks import DEFAULT_TASK, Task, get_task
+from move.sim.tasks import DEFAULT_TASK, FACTORS, TASKS, Task, get_task
 
 OBSERVATIONS: tuple[str, ...] = get_args(ObservationKind)
+RENDER_MODES = ("rgb_array",)
 EPISODE_STEPS = 200  # the authors' limit
 SUCCESS_STEPS = 10  # an episode ends after this many successful steps (the authors' rule)
 HAND_STEP = 0.01  # metres that the hand's goal moves for an action of 1
@@ -36,6 +39,8 @@ SUBSTEPS = 5  # MuJoCo steps an environment step, as in Meta-World
 SETTLE_STEPS = 50  # environment steps given to the hand to reach its start, as in Meta-World
 REACH = 0.3  # metres between hand and object beyond which contacts are not looked up
 DOWN = np.array([1.0, 0.0, 1.0, 0.0]) / np.sqrt(2.0)  # orientation of a hand that points down, at yaw 0
+STATE = mujoco.mjtState.mjSTATE_INTEGRATION  # all that decides what MuJoCo does next
+OF_THE_PROCESS = ("task", "_world", "_model", "_data", "_points", "_touching")  # made anew where a scene is unpickled
 
 
 class Scene(Readable, gymnasium.Env):
@@ -46,27 +51,31 @@ class Scene(Readable, gymnasium.Env):
     side). An observation is the keypoint vector (float32, metres, camera frame) or an RGB picture (uint8). The reward
     is 1 on a successful step. `info` holds "success" and "phase" ("pick", from the grasp on "place"), and
     "strict_success" where the task has such a condition. The episode limit is left to Gymnasium's TimeLimit and to the
-    loops of this package.
+    loops of this package. A scene can be pickled and copied, also within an episode.
 
     Args:
         task: a name in `move.sim.tasks.TASKS`.
         observation: "keypoints" or "rgb".
         image_size: pixels along each side of a picture.
         render_mode: None or "rgb_array".
+        factors: what a reset draws unless its options say otherwise: a key of `move.sim.tasks.FACTORS`.
 
     Raises:
-        BadInput: an unknown task or observation, or "rgb" without a GL library.
+        BadInput: an unknown name, an impossible size, or "rgb" without a GL library.
     """
 
-    metadata = {"render_modes": ["rgb_array"], "render_fps": 80}
+    metadata = {"render_modes": list(RENDER_MODES), "render_fps": 80}
 
     def __init__(self, task: str | Task = DEFAULT_TASK, observation: str = "keypoints", image_size: int = IMAGE_SIZE,
-                 render_mode: str | None = None) -> None:
-        if observation not in OBSERVATIONS:
-            raise BadInput(f"observation: {observation!r} given; allowed are {', '.join(OBSERVATIONS)}")
+                 render_mode: str | None = None, factors: str = "all") -> None:
+        checks.one_of("observation", observation, OBSERVATIONS)
+        checks.one_of("render_mode", render_mode, (None, *RENDER_MODES))
+        checks.one_of("factors", factors, FACTORS)
         task, self._target = task if isinstance(task, Task) else get_task(task), np.zeros(3)
         super().__init__(task, shared_world(task), self._target)
-        self.observation, self.image_size, self.render_mode = observation, image_size, render_mode
+        self.observation, self.image_size, self.render_mode = observation, checks.picture_side(image_size), render_mode
+        self.factors = factors
+        self._mocap: list[float] = []  # the hand's goal, metres; nothing before the first reset
         self._keypoint_names = keypoint_names(self.task.keypoints)
         self.keypoint_slices = keypoint_slices(self.task.keypoints)
         self.action_space = BoxSpace(-1.0, 1.0, (self.task.action_size,), np.float32)
@@ -75,22 +84,23 @@ class Scene(Readable, gymnasium.Env):
 
     def _observation_space(self) -> BoxSpace:
         if self.observation == "rgb":
-            self._world.renderer(self.image_size)
+            if problem := gl_problem():  # GL itself is opened by the first picture: a process may be forked before
+                raise BadInput(problem)
             return BoxSpace(0, 255, (self.image_size, self.image_size, 3), np.uint8)
         return BoxSpace(-np.inf, np.inf, (3 * len(self._keypoint_names),), np.float32)
 
     # starting ------------------------------------------------------------------------------------------------------
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[np.ndarray, dict]:
-        """Start an episode in `options["configuration"]`, or in one sampled from `options["factors"]` ("all").
+        """Start an episode in `options["configuration"]`, or in one sampled from `options["factors"]` or the scene's.
 
         The hand is driven to its start as Meta-World does, the object held where it belongs.
+
+        Raises:
+            BadInput: unknown options or factors, or a configuration that is none.
         """
         super().reset(seed=seed)
-        options = options or {}
-        configuration = options.get("configuration")
-        if configuration is None:
-            configuration = self.task.sample(self.np_random, options.get("factors", "all"))
+        configuration = self._asked_for(**checks.reset_options(options))
         mujoco.mj_resetData(self._model, self._data)
         self._data.qpos[:] = self._world.start
         self.steps, self.phase, self.touched, self.held, self.success = 0, "pick", False, False, False
@@ -102,6 +112,10 @@ class Scene(Readable, gymnasium.Env):
         self.move_object(configuration.object_position, configuration.object_yaw)
         mujoco.mj_forward(self._model, self._data)
         return self.observe(), self._info()
+
+    def _asked_for(self, configuration: SpatialConfiguration | None = None, factors: str | None = None
+                   ) -> SpatialConfiguration:
+        return configuration or self.task.sample(self.np_random, factors or self.factors)
 
     def _drive_hand(self, position: Vector) -> None:
         self._mocap = list(position)
@@ -124,14 +138,21 @@ class Scene(Readable, gymnasium.Env):
     # running -------------------------------------------------------------------------------------------------------
 
     def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict]:
-        """Advance by one step and observe; never terminates by itself (Meta-World's convention)."""
+        """Advance by one step and observe; never terminates by itself (Meta-World's convention).
+
+        Raises:
+            BadInput: before the first reset, or an action that is not as many finite numbers as the action space has.
+        """
         self.advance(action)
         return self.observe(), float(self.success), False, False, self._info()
 
     def advance(self, action: np.ndarray) -> None:
         """Advance by one step without observing: the hand's goal moves, MuJoCo runs, success is judged."""
+        if not self._mocap:
+            raise BadInput("step before the first reset; allowed is reset() first")
         self._load_state()
-        dx, dy, dz, command, *turn = (min(1.0, max(-1.0, value)) for value in np.asarray(action, float).tolist())
+        numbers = checks.action_numbers(action, self.task.action_size)
+        dx, dy, dz, command, *turn = (min(1.0, max(-1.0, value)) for value in numbers)
         low, high = self._world.hand_low, self._world.hand_high
         for axis, change in enumerate((dx, dy, dz)):
             self._mocap[axis] = min(high[axis], max(low[axis], self._mocap[axis] + HAND_STEP * change))
@@ -256,3 +277,23 @@ class Scene(Readable, gymnasium.Env):
         """The picture that Gymnasium's render mode asks for, or None."""
         return self.render_image(self.image_size) if self.render_mode == "rgb_array" else None
 
+    # keeping -------------------------------------------------------------------------------------------------------
+
+    def __getstate__(self) -> dict[str, Any]:
+        """All that is the scene's own: the task by its name where it has one, MuJoCo's state as numbers."""
+        physics = np.empty(mujoco.mj_stateSize(self._model, STATE))
+        mujoco.mj_getState(self._model, self._data, physics, STATE)
+        own = {name: value for name, value in vars(self).items() if name not in OF_THE_PROCESS}
+        return own | {"task": self.task.name if TASKS.get(self.task.name) is self.task else self.task,
+                      "physics": physics}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Stand where the other scene stood, in this process's model."""
+        own = dict(state)
+        task, physics = own.pop("task"), own.pop("physics")
+        task = task if isinstance(task, Task) else get_task(task)
+        super().__init__(task, shared_world(task), own["_target"])
+        vars(self).update(own)
+        mujoco.mj_setState(self._model, self._data, physics, STATE)
+        self._load_state()
+        mujoco.mj_kinematics(self._model, self._data)

@@ -13,7 +13,7 @@ from move.errors import BadInput
 from move.study.labels import LabelledRun
 from move.study.profiles import Profile
 from move.study.spec import RunSpec
-from move.study.validation import first_problem
+from move.validation import first_problem
 
 Count = Annotated[int, Field(gt=0, strict=True)]
 Multiple = Annotated[float, Field(gt=0, allow_inf_nan=False)]

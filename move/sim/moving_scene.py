@@ -1,0 +1,56 @@
+"""What Gymnasium makes of MOVE/<task>-v0: a scene that moves by itself while somebody else acts in it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import gymnasium
+from gymnasium.envs.registration import EnvSpec
+
+from move.paper import PAPER_METHODS
+from move.sim.collect import surrounded
+from move.sim.collection import Collection
+from move.sim.motion.wrappers import Part
+from move.sim.observe import IMAGE_SIZE
+from move.sim.scene import checks
+from move.sim.scene.scene import Scene
+from move.validation import build
+
+
+class MovingScene(gymnasium.Wrapper):
+    """A scene with what a collection method moves; `unwrapped` is the scene, with its task and configuration.
+
+    Speeds are the largest of each part: an episode draws its own below them.
+
+    Args:
+        task: a name in `move.sim.tasks.TASKS`.
+        method: "move" (equations 1 to 3), "adc" (object and target jump) or "static" (nothing moves).
+        factors: what a reset draws, and of it what moves: a key of `move.sim.tasks.FACTORS`.
+        observation: "keypoints" or "rgb".
+        image_size: pixels along each side of a picture.
+        render_mode: None or "rgb_array".
+        moving: which of "object", "rotation", "target" and "camera" move; by default all that can.
+        object_speed: metres per step, as `target_speed`.
+        camera_speed: radians per step, as `yaw_speed`.
+
+    Raises:
+        BadInput: an unknown name, an impossible size or speed, or a motion of what does not move.
+    """
+
+    metadata = Scene.metadata
+
+    def __init__(self, task: str, method: str = "move", factors: str = "all", observation: str = "keypoints",
+                 image_size: int = IMAGE_SIZE, render_mode: str | None = None, moving: Sequence[Part] | None = None,
+                 object_speed: float | None = None, target_speed: float | None = None,
+                 camera_speed: float | None = None, yaw_speed: float | None = None) -> None:
+        checks.one_of("method", method, PAPER_METHODS)
+        scene = Scene(task, observation, image_size, render_mode, factors)
+        chosen = build(Collection, task=task, method=method, factors=factors, timesteps=1,  # of any length
+                       moving=moving, object_speed=object_speed, target_speed=target_speed,
+                       camera_speed=camera_speed, yaw_speed=yaw_speed)
+        super().__init__(surrounded(scene, chosen))
+
+    @property
+    def spec(self) -> EnvSpec | None:  # type: ignore[override]  # a property in gymnasium.Wrapper too
+        """The scene's own: what moves in it is made with it, and no wrapper to be added."""
+        return self.env.unwrapped.spec
