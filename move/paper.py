@@ -6,12 +6,14 @@ pictures alone. Of figure 4 only the pairs of sizes are printed that are said to
 
 from __future__ import annotations
 
+from typing import Literal
+
 import pandas as pd
 
 from move.errors import BadInput
 
 COLUMNS = ("experiment", "task", "method", "condition", "metric", "value")
-PAPER_METHODS = ("static", "adc", "move")
+PAPER_METHODS: tuple[Literal["static", "adc", "move"], ...] = ("static", "adc", "move")
 PAPER_TASKS = (
     "pick-place", "push", "assembly", "box-close", "hammer", "pick-place-wall", "window-open", "faucet-open",
     "disassemble", "basketball",

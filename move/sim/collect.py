@@ -169,7 +169,8 @@ def _grasped_there(episode: Episode, point: Vector) -> bool:
 
 
 def collect(
-    collection: Collection, seed: int, on_step: Callable[[int, int], None] | None = None
+    collection: Collection, seed: int, on_step: Callable[[int, int], None] | None = None,
+    env: gymnasium.Env | None = None,
 ) -> tuple[Demonstrations, CollectionRecord]:
     """Collect demonstrations until the budget is full; of a mixture one part behind the other.
 
@@ -179,14 +180,17 @@ def collect(
         collection: what to collect.
         seed: with the collection it decides every byte.
         on_step: called with (timesteps so far, budget) after each demonstration.
+        env: a scene with motions of one's own around it, instead of those of the collection's method.
 
     Raises:
-        BadInput: fifty failed attempts in a row.
+        BadInput: fifty failed attempts in a row, or one `env` for the parts of a mixture.
     """
+    if env and len(collection.parts) > 1:
+        raise BadInput("env: one given for a mixture; allowed is one for a collection by a single method")
     made: list[tuple[Demonstrations, CollectionRecord]] = []
     for part in collection.parts:
         before = sum(record.timesteps for _, record in made)
-        made.append(_collect(part, seed, _shifted(on_step, before, collection.timesteps)))
+        made.append(_collect(part, seed, env, _shifted(on_step, before, collection.timesteps)))
     return made[0] if len(made) == 1 else _end_to_end(made)
 
 
@@ -199,11 +203,11 @@ def _shifted(on_step: Callable[[int, int], None] | None, before: int, total: int
 
 
 def _collect(
-    collection: Collection, seed: int, on_step: Callable[[int], None]
+    collection: Collection, seed: int, env: gymnasium.Env | None, on_step: Callable[[int], None]
 ) -> tuple[Demonstrations, CollectionRecord]:
     """Collect by one method; each demonstration is copied once, to where it stays."""
     started, kept, tried, failed_in_a_row = time.perf_counter(), _Kept(collection.timesteps), 0, 0
-    for episode in attempts(collection, seed):
+    for episode in attempts(collection, seed, env):
         tried += 1
         failed_in_a_row = 0 if episode.succeeded else failed_in_a_row + 1
         if episode.succeeded:

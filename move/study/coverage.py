@@ -48,13 +48,14 @@ class Recorder(gymnasium.Wrapper):
         })
 
 
-def configurations(collection: Collection, seed: int) -> pd.DataFrame:
+def configurations(collection: Collection, seed: int, env: gymnasium.Env | None = None) -> pd.DataFrame:
     """Where object, target (metres) and camera (radians) were at each timestep of a collection, one row each.
 
     Columns besides: episode, timestep, method. Failed attempts are left out, as in the data set itself.
+    `env` is as `collect` takes it.
     """
     frames: list[pd.DataFrame] = []
-    recorder, total = Recorder(collecting_env(collection)), 0
+    recorder, total = Recorder(env or collecting_env(collection)), 0
     for episode in attempts(collection, seed, recorder):
         if episode.succeeded:
             frame = pd.DataFrame(recorder.seen[: len(episode.actions)])
