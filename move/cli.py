@@ -140,13 +140,14 @@ def train(
     from move.study.profiles import load_profile
     from move.study.validation import build
 
-    demonstrations, _ = dataset.load(data, clip_actions)
+    demonstrations, attributes = dataset.load(data, clip_actions)
     observation = "rgb" if demonstrations.has_images else "keypoints"
     recipe = load_profile(profile).recipe(observation, demonstrations.timesteps).model_dump()
     if gradient_steps is not None:
         recipe |= {"gradient_steps": gradient_steps, "warmup_steps": min(recipe["warmup_steps"], gradient_steps // 2)}
     with progress("train") as report:
-        _, trained = training.train(demonstrations, build(Training, **recipe), seed, checkpoint=out, on_step=report)
+        _, trained = training.train(demonstrations, build(Training, **recipe), seed, checkpoint=out, on_step=report,
+                                    task=dataset.task_of(attributes))
     show({"checkpoint": str(out), "gradient_steps": recipe["gradient_steps"], "loss": trained.curve[-1][1],
           "seconds": trained.seconds, "precision": trained.precision, "parameters": trained.parameters}, as_json,
          "Policy")
@@ -180,7 +181,7 @@ def evaluate(
         raise BadInput(f"player: {player!r} given; allowed are policy, {', '.join(agents.CONTROLS)}")
     if player == "policy" and checkpoint is None:
         raise BadInput("checkpoint: none given; a policy needs the folder that `move train` wrote")
-    policy = load_policy(checkpoint) if player == "policy" else None
+    policy = load_policy(checkpoint, task=task) if player == "policy" else None
     who = agents.PolicyPlayer(policy, seed) if policy else agents.CONTROLS[player](seed)
     image = policy is not None and len(policy.observation_shape) == 3
     with progress("evaluate") as report:

@@ -124,6 +124,13 @@ def load(path: Path, clip_actions: bool = False) -> tuple[Demonstrations, dict[s
         raise BadInput(f"cannot read demonstrations from {path}: {type(error).__name__}: {reason}") from error
 
 
+def task_of(attributes: dict[str, Any]) -> str:
+    """The task that a data set's attributes name; "" where they name none, as in the authors' data."""
+    collection = attributes.get("collection")
+    task = collection.get("task") if isinstance(collection, dict) else None
+    return task if isinstance(task, str) else ""
+
+
 def _actions(actions: np.ndarray, clip: bool) -> np.ndarray:
     """Actions as float32 within -1..1."""
     actions = actions.astype(np.float32, copy=False)
