@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from distributed import Client
 
 PATIENCE = 3.0  # seconds that a worker may take to join before one is told that there is none
+GONE = "cluster: the scheduler is gone; what is stored stays, and the same command goes on with another"
 _HERE = Processes()  # of this worker
 
 
@@ -33,9 +34,8 @@ class UnfitWorker(BadInput):
 class Cluster:
     """The workers of a scheduler, and the token by which they know the results folder."""
 
-    def __init__(self, client: Client, folder: Path) -> None:
-        self.client, self.executor = client, client.get_executor(pure=False)
-        self.address = client.scheduler.address
+    def __init__(self, client: Client, address: str, folder: Path) -> None:
+        self.client, self.executor, self.address = client, client.get_executor(pure=False), address
         self.token = folder / f".{uuid4().hex}.probe"
         self.seen = time.monotonic()  # when there was a worker
 
@@ -44,9 +44,16 @@ class Cluster:
         return self.executor.submit(_compute, spec, folder, self.token)
 
     def trouble(self) -> str:
-        """That no worker is there, if so for some seconds."""
-        if self.client.status == "running" and self.client.nthreads():
-            self.seen = time.monotonic()
+        """That no worker is there, if so for some seconds.
+
+        Raises:
+            BadInput: the scheduler is not there either.
+        """
+        try:
+            if self.client.nthreads():
+                self.seen = time.monotonic()
+        except OSError as error:
+            raise BadInput(GONE) from error
         return "" if time.monotonic() - self.seen < PATIENCE else f"{self.address} has no workers; waiting for one"
 
     def refuse_unfit_workers(self) -> None:
@@ -75,7 +82,7 @@ def dask_cluster(address: str, folder: Path) -> Iterator[Cluster]:
         client = Client(address, timeout=10)
     except (OSError, ValueError) as error:
         raise BadInput(f"cluster: no Dask scheduler at {address} ({error}); start one with `dask scheduler`") from error
-    cluster = Cluster(client, folder)
+    cluster = Cluster(client, address, folder)
     try:
         cluster.token.touch()
         cluster.refuse_unfit_workers()

@@ -26,7 +26,7 @@ from rich.progress import (
 from move.errors import BadInput
 from move.machine import default_workers
 from move.paths import RUNS
-from move.study.cluster import UnfitWorker, dask_cluster
+from move.study.cluster import GONE, UnfitWorker, dask_cluster
 from move.study.processes import Processes, RunFailed
 from move.study.results import NOT_COMPUTED, Result, check_writable, remove_leftovers, set_aside, split
 from move.study.spec import RunSpec
@@ -130,7 +130,7 @@ def _finish(future: Future, spec: RunSpec, failed: dict[str, str], progress: Pro
     try:
         error = future.exception()
     except CancelledError as gone:
-        raise BadInput("cluster: the scheduler is gone; what is stored stays, and the same command goes on") from gone
+        raise BadInput(GONE) from gone
     if isinstance(error, UnfitWorker):
         raise error
     if error is not None:

@@ -90,6 +90,7 @@ def _start(number: int) -> subprocess.Popen[str]:
 
 def _ask(process: subprocess.Popen[str], request: str) -> str | None:
     """The process's answer; None if it died."""
+    assert process.stdin and process.stdout  # both are pipes
     try:
         process.stdin.write(request + "\n")
         process.stdin.flush()

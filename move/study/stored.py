@@ -1,4 +1,4 @@
-"""What the file of a run of some spec holds: the rows of each of its episodes, and where they came from, by their types.
+"""What the file of a run of some spec holds: one row an episode, and where they came from, each of its type.
 
 Read strictly, so that a file which somebody made or changed is refused, and not drawn.
 """
@@ -106,9 +106,9 @@ def refuse_other_content(content: dict[str, Any], spec: RunSpec) -> None:
             raise ValueError(f"{name}: not as a {spec.kind}'s")
     if set(found.seconds) != PARTS.get(spec.player, {"evaluate"}):
         raise ValueError(f"seconds: of {', '.join(found.seconds) or 'nothing'}; a {spec.kind} has others")
-    if found.collection and found.collection.timesteps != spec.collection.timesteps:
+    if found.collection and spec.collection and found.collection.timesteps != spec.collection.timesteps:
         raise ValueError("collection: of another budget")
-    if found.training and found.training.curve[-1][0] != spec.training.gradient_steps:
+    if found.training and spec.training and found.training.curve[-1][0] != spec.training.gradient_steps:
         raise ValueError("training: the curve does not end at the last gradient step")
     _refuse_other_rows(found.rows, spec, found.collection.demonstrations if found.collection else 0)
 
