@@ -20,6 +20,7 @@ from move.machine import THREAD_VARIABLES
 from move.study.spec import RunSpec
 
 TRIES = 3  # of a run whose process dies
+COMMAND = [sys.executable, "-m", "move.study.worker"]
 
 
 class RunFailed(RuntimeError):
@@ -83,9 +84,8 @@ def _start(number: int) -> subprocess.Popen[str]:
     paths = [package, os.environ.get("PYTHONPATH", "")]
     environment = {**dict.fromkeys(THREAD_VARIABLES, "1"), **os.environ,
                    "PYTHONPATH": os.pathsep.join(filter(None, paths))}
-    command = [sys.executable, "-m", "move.study.worker", str(os.getpid()), str(number)]
-    return subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=environment,
-                            process_group=0)
+    return subprocess.Popen([*COMMAND, str(os.getpid()), str(number)], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+                            text=True, env=environment, process_group=0)
 
 
 def _ask(process: subprocess.Popen[str], request: str) -> str | None:

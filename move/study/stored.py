@@ -115,9 +115,9 @@ def refuse_other_content(content: dict[str, Any], spec: RunSpec) -> None:
 
 def _refuse_other_rows(rows: Rows, spec: RunSpec, demonstrations: int) -> None:
     groups = expected_groups(spec, demonstrations)
-    wrong = {name: len(column) for name, column in rows if column is not None and len(column) != len(groups)}
-    if wrong:
-        raise ValueError(f"rows: {wrong} given; this run has {len(groups)}")
+    for name, column in rows:
+        if column is not None and len(column) != len(groups):
+            raise ValueError(f"rows: {len(column)} values of {name} given; this run has {len(groups)}")
     if rows.trial != list(range(len(groups))):
         raise ValueError("rows: trial is not 0, 1, 2, ...")
     if rows.group != groups:
