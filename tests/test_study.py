@@ -163,7 +163,7 @@ def test_a_folder_that_is_a_file_is_refused_before_any_work(tmp_path):
 
 
 class Here:
-    """An executor that runs in this process, so that a test can break a run."""
+    """A pool that computes in this process, so that a test can break a run."""
 
     def __enter__(self):
         return self
@@ -171,12 +171,15 @@ class Here:
     def __exit__(self, *exception):
         return False
 
-    def submit(self, function, *arguments):
+    def trouble(self):
+        return ""
+
+    def submit(self, spec, folder):
         from concurrent.futures import Future
 
         future = Future()
         try:
-            future.set_result(function(*arguments))
+            future.set_result(run.run_and_report(spec, folder))
         except Exception as error:
             future.set_exception(error)
         return future
@@ -191,8 +194,8 @@ def test_only_what_is_missing_is_computed(tmp_path, in_this_process, monkeypatch
     specs = [tiny_spec(seed=seed) for seed in range(2)]
     execute.execute(specs[:1], tmp_path, quiet=True)
     computed = []
-    real = execute.run_and_report
-    monkeypatch.setattr(execute, "run_and_report", lambda spec, folder: computed.append(spec) or real(spec, folder))
+    real = run.run_and_report
+    monkeypatch.setattr(run, "run_and_report", lambda spec, folder: computed.append(spec) or real(spec, folder))
     there, missing = execute.execute([*specs, specs[1]], tmp_path, quiet=True)
     assert computed == [specs[1]] and not missing and len(there) == 3
 

@@ -178,10 +178,10 @@ def test_the_policy_loads_and_acts_as_it_did(tmp_path, step):
 def test_the_folder_holds_json_and_safetensors_and_nothing_old(tmp_path):
     with pytest.raises(KeyboardInterrupt):
         train(keypoints(), settings(), 3, tmp_path, checkpoint_every=2, on_step=interrupt_after(5))
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["run.json", "tensors-0000004.safetensors"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["lock", "run.json", "tensors-0000004.safetensors"]
     unfinished = (tmp_path / "tensors-0000004.safetensors").stat().st_size
     train(keypoints(), settings(), 3, tmp_path)
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["run.json", "tensors-0000006.safetensors"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["lock", "run.json", "tensors-0000006.safetensors"]
     assert (tmp_path / "tensors-0000006.safetensors").stat().st_size < unfinished / 2
 
 
@@ -201,7 +201,7 @@ def test_dying_while_writing_leaves_the_checkpoint_before(tmp_path, monkeypatch,
     assert read(tmp_path).step == 2
     resumed, _ = train(keypoints(), settings(), 3, tmp_path)
     assert same(resumed, train(keypoints(), settings(), 3)[0])
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["run.json", "tensors-0000006.safetensors"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["lock", "run.json", "tensors-0000006.safetensors"]
 
 
 @pytest.mark.parametrize("message, changes, seed", [
@@ -222,7 +222,7 @@ def test_a_checkpoint_of_other_demonstrations_is_refused(tmp_path):
 
 def test_a_loss_that_is_no_number_stops_training(monkeypatch):
     monkeypatch.setattr(DiffusionPolicy, "loss", lambda self, *a: sum(w.sum() for w in self.parameters()) * torch.nan)
-    with pytest.raises(FloatingPointError, match="at gradient step 0; try a smaller learning_rate"):
+    with pytest.raises(BadInput, match="diverged: loss nan at gradient step 0; try a smaller learning_rate"):
         train(keypoints(), settings(), 0)
 
 

@@ -207,7 +207,7 @@ def _step_and_chunk(recipe: Training, pixels: int) -> tuple[float, float, int]:
                       "cpu")
     trainer.take_step()
     step = min(cpu_seconds(trainer.take_step) for _ in range(2))
-    policy: DiffusionPolicy = trainer.averaged
+    policy: DiffusionPolicy = trainer.ema_policy
     generator = torch.Generator().manual_seed(0)
     policy.act(images[None, :2], generator)
     return step, cpu_seconds(lambda: policy.act(images[None, :2], generator)), trainer.report().parameters

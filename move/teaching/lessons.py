@@ -32,7 +32,7 @@ from move.sim.tasks import get_task
 from move.study import cells, experiments, results
 from move.study.profiles import load_profile
 from move.study.statistics import success_rate
-from move.study.validation import build
+from move.validation import build
 
 REDRAWN = 0.2  # seconds between two looks at the progress of a training
 
