@@ -71,8 +71,9 @@ def within(limit: str, amount: int, where: object) -> int:
     """
     allowed = getattr(limits(), limit)
     if amount > allowed:
-        unit = limit.replace("_", " ")
-        raise BadInput(f"{where}: {amount:,} {unit}; allowed are {allowed:,} ({VARIABLE}={limit}={amount} raises it)")
+        shown = min(amount, 10**18)
+        raise BadInput(f"{where}: {shown:,} {limit.replace('_', ' ')}{' or more' if shown < amount else ''}; allowed are "
+                       f"{allowed:,} ({VARIABLE}={limit}={shown} raises it)")
     return amount
 
 
