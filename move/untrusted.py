@@ -72,8 +72,8 @@ def within(limit: str, amount: int, where: object) -> int:
     allowed = getattr(limits(), limit)
     if amount > allowed:
         shown = min(amount, 10**18)
-        raise BadInput(f"{where}: {shown:,} {limit.replace('_', ' ')}{' or more' if shown < amount else ''}; allowed are "
-                       f"{allowed:,} ({VARIABLE}={limit}={shown} raises it)")
+        given = f"{shown:,} {limit.replace('_', ' ')}" + (" or more" if shown < amount else "")
+        raise BadInput(f"{where}: {given}; allowed are {allowed:,} ({VARIABLE}={limit}={shown} raises it)")
     return amount
 
 
