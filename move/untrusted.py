@@ -71,8 +71,9 @@ def within(limit: str, amount: int, where: object) -> int:
     """
     allowed = getattr(limits(), limit)
     if amount > allowed:
-        unit = limit.replace("_", " ")
-        raise BadInput(f"{where}: {amount:,} {unit}; allowed are {allowed:,} ({VARIABLE}={limit}={amount} raises it)")
+        shown = min(amount, 10**18)
+        given = f"{shown:,} {limit.replace('_', ' ')}" + (" or more" if shown < amount else "")
+        raise BadInput(f"{where}: {given}; allowed are {allowed:,} ({VARIABLE}={limit}={shown} raises it)")
     return amount
 
 

@@ -298,11 +298,14 @@ for text_name, (text, text_word) in TEXTS.items():
     REAL[f"info.json: {text_name}"] = (text_word, worded("meta/info.json", text))
 for text_name, (text, text_word) in {
         "a list": ("[1]", "JSON list"), "a text for a length": ('{"episode_index": 0, "length": "x"}', "episode_index"),
+        "a huge length": (f'{{"episode_index": 0, "length": {10**400}}}', "rows"),
+        "a huge number": (f'{{"episode_index": {10**4000}, "length": 1}}', "characters"),
         "endless": ('{"episode_index": 1e999, "length": 1}', "OverflowError"),
         "too many": ('{"episode_index": 0, "length": 1}\n' * 100_001, "episodes"),
 }.items():
     REAL[f"episodes.jsonl: {text_name}"] = (text_word, worded("meta/episodes.jsonl", text))
-for text_name, text in {"a text": '"x"', "0": "0", "endless": "1e999", "true": "true", "null": "null"}.items():
+for text_name, text in {"a text": '"x"', "0": "0", "endless": "1e999", "huge": str(10**400), "true": "true",
+                        "null": "null"}.items():
     REAL[f"SIMULATED.json: metres_per_pixel {text_name}"] = (
         "metres_per_pixel", worded("SIMULATED.json", f'{{"simulated": true, "metres_per_pixel": {text}}}'))
 

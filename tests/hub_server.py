@@ -19,10 +19,14 @@ class StandIn:
 
     def __init__(self, folder: Path) -> None:
         self.folder, self.endpoint = folder, ""
-        files = [path for path in sorted(folder.rglob("*")) if path.is_file()]
-        self.tree: object = [row(path.relative_to(folder).as_posix(), path.stat().st_size) for path in files]
         self.answers: dict[str, tuple[int, bytes, dict]] = {}
         self.asked: list[str] = []
+        self.list_again()
+
+    def list_again(self) -> None:
+        """List what lies in the folder now."""
+        files = [path for path in sorted(self.folder.rglob("*")) if path.is_file()]
+        self.tree: object = [row(path.relative_to(self.folder).as_posix(), path.stat().st_size) for path in files]
 
     def answer(self, path: str) -> tuple[int, bytes, dict]:
         """Status, body and headers for one path."""

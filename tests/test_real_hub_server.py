@@ -2,8 +2,10 @@
 
 import functools
 import json
+import shutil
 from pathlib import Path
 
+import hostile
 import pytest
 import real_writers as w
 from hub_server import COMMIT, row, serving
@@ -125,3 +127,11 @@ def test_a_link_planted_in_the_kept_folder_is_refused(served, tmp_path):
     place.mkdir(parents=True)
     (place / "notes.txt").symlink_to("/etc/passwd")
     assert "symbolic link" in refusal(tmp_path)
+
+
+def test_the_chunks_of_a_fetched_buffer_are_judged_too(served, tmp_path):
+    _, write = hostile.STORED["chunk that is more than it says"]
+    shutil.rmtree(served.folder)
+    write(served.folder)
+    served.list_again()
+    assert "decodes to 1,000,000 bytes; its description says 96" in refusal(tmp_path)

@@ -82,6 +82,7 @@ def open_dataset(data: str | Path = hub.REPOSITORY, *, revision: str | None = hu
     if remote:
         names = [_prefix(part, remote) + file for part in parts for ref in chosen[part.name][1] for file in ref.files]
         hub.fetch(remote, names, size_cap_gb=size_cap_gb, say=say)
+        chosen = {part.name: _choose(_episodes(part), episodes, part) for part in parts}  # what came now is judged too
     return _read(str(data), remote.revision if remote else None, root, parts, chosen, overrides, say)
 
 
@@ -150,8 +151,8 @@ def _about(mark: Path) -> dict:
     """What a data set that is simulated says of itself; nothing where it does not say that it is."""
     about = read_json(mark, "a JSON object that describes a simulation") if mark.is_file() else {}
     size = about.get("metres_per_pixel", 1.0)
-    if isinstance(size, bool) or not isinstance(size, int | float) or not 0 < size < float("inf"):
-        raise BadInput(f"{mark}: metres_per_pixel is {str(size)[:40]!r}; allowed: a number above 0")
+    if isinstance(size, bool) or not isinstance(size, int | float) or not 0 < size < 1000:
+        raise BadInput(f"{mark}: metres_per_pixel is {str(size)[:40]!r}; allowed: a number between 0 and 1000")
     return about
 
 

@@ -44,7 +44,7 @@ def _lengths(part: Part) -> dict[int, int | None]:
         lines = [line for line in read_text(path).splitlines() if line.strip()]
         within("episodes", len(lines), path)
         rows = [parse_json(line, path) for line in lines]
-        return {int(row["episode_index"]): int(row["length"]) for row in rows}
+        return {int(row["episode_index"]): within("rows", int(row["length"]), path) for row in rows}
 
 
 def _files(info: lerobot.Info, index: int, where: str) -> dict[str, str]:
