@@ -237,6 +237,9 @@ def circling(answer: type[Motion]) -> str:
     """A PickMotion whose object goes round a circle at no more than its largest speed, and stays in its range."""
     speed, collection = 0.03, Collection(task="pick-place", method="static", timesteps=1)
     motion = answer(Scene("pick-place"), speed)
+    motion.reset(seed=0)
+    if motion.placed(0) is None:
+        return "`placed` returns nothing yet"
     for _, episode in zip(range(4), attempts(collection, 0, motion), strict=False):
         if motion.placed(0).object_position != episode.start.object_position:
             return "at time 0 the object has to be where it started: `placed(0)` gives another place"

@@ -43,7 +43,7 @@ REDRAWN = 0.2  # seconds between two looks at the progress of a training
 def named_keypoints(observation: np.ndarray, task: str) -> pd.DataFrame:
     """One keypoint a row: its name and its place in the camera's frame, centimetres."""
     slices = keypoint_slices(get_task(task).keypoints)
-    return pd.DataFrame({name: 100 * observation[part] for name, part in slices.items()},
+    return pd.DataFrame({name: 100 * observation[part].astype(float) for name, part in slices.items()},
                         index=["right (cm)", "up (cm)", "forward (cm)"]).T.round(1)
 
 
