@@ -121,6 +121,25 @@ def spoken_gap(row: pd.Series) -> str:
     return f"{100 * row.gap:+.0f} points [{100 * row.low:+.0f}, {100 * row.high:+.0f}], {verdict}"
 
 
+def verdict(gap: float, low: float, high: float, published: float) -> str:
+    """What a difference with its 95 % interval says about the paper's: its direction first, then its size."""
+    if low <= 0 <= high:
+        return "no difference shown, nor the paper's excluded" if low <= published <= high else "not found here"
+    if (gap > 0) != (published > 0):
+        return "opposite direction"
+    if low <= published <= high:
+        return "direction and size as in the paper"
+    return f"direction as in the paper, size {'smaller' if abs(gap) < abs(published) else 'larger'}"
+
+
+def spoken_counts(table: pd.DataFrame) -> str:
+    """Of comparisons with a column holm, how many are above 0 and how many below, in words."""
+    clear = table[table.holm < LEVEL]
+    above = int((clear.gap > 0).sum())
+    return (f"{above} of {len(table)} are above 0, {len(clear) - above} below, {len(table) - len(clear)} not "
+            "distinguishable from it")
+
+
 def spoken_gaps(table: pd.DataFrame, means: pd.DataFrame) -> str:
     """A `gap_table` and its `gap_means` in words: on how many items MOVE is above each other method, and the mean."""
     sentences = []
