@@ -184,8 +184,8 @@ FIGURES = {
     "fig4_scaling": Words(
         "Figure 4. Success against the amount of data",
         f"Success of each method against the timesteps of demonstrations, one panel a task, at table 2's "
-        f"configurations. {_INTERVALS} Diamonds are the paper's values at its own budgets, question marks budgets "
-        f"that are not computed yet.",
+        f"configurations. {_INTERVALS} Diamonds are the paper's values at its own budgets (drawn a little to the "
+        f"right), question marks budgets that are not computed yet.",
         "Ten small panels, one a task, each with a curve a method over the budget."),
     "fig4_efficiency": Words(
         "Figure 4, as one number: data efficiency",

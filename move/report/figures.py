@@ -14,6 +14,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 
 from move.paper import PAPER_TASKS
 from move.report import maps, plots
@@ -46,6 +47,7 @@ def _maps(episodes: pd.DataFrame, axes: Sequence[Axes]) -> None:
         rows = episodes[episodes.method == method]
         if len(rows):
             mesh = maps.heatmap(rows, ax)
+            ax.set_anchor("N")
         else:
             _say("missing", ax)
     axes[1].set_ylabel("")
@@ -94,7 +96,7 @@ def fig2_overview(seen: Mapping[str, pd.DataFrame], shares: pd.DataFrame, ranges
         for ax, method in zip(row, methods, strict=True):
             maps.coverage(seen[method], part, box.low, box.high, ax)
             texts.append(f"{NAMES[method]}, {part}: {100 * share.loc[method, part]:.0f} % of cells")
-            ax.set_xlabel("x (cm)" if row is panels[-1] else "")
+            ax.set_xlabel("x (cm)" if ax in panels[-1] else "")
             ax.set_ylabel(f"{part} y (cm)" if method == methods[0] else "")
     pictures = bottom.subplots(max(1, len(strips)), 1, squeeze=False)[:, 0]
     for ax, (frames, steps) in zip(pictures, strips.values(), strict=False):
@@ -136,7 +138,9 @@ def fig4_scaling(rates: pd.DataFrame, printed: pd.DataFrame) -> Figure:
         shown = rates[rates.task == task]
         if len(shown):
             plots.curve(shown, "timesteps", "timesteps", ax, log=True)
-            plots.printed_points(printed[printed.task == task], ax)
+            theirs = printed[printed.task == task]
+            plots.printed_points(theirs, ax)
+            plots.log_ticks({*shown.timesteps, *theirs.timesteps}, ax)
         else:
             _say("missing", ax)
         ax.label_outer(remove_inner_ticks=False)
@@ -166,8 +170,8 @@ def fig5_circle(episodes: pd.DataFrame, rates: pd.DataFrame) -> Figure:
     for ax in axes[:2]:
         maps.circle(CIRCLE, ax)
     plots.grouped_rates(rates, "where", list(rates["where"].unique()), axes[2])
-    _legend_below(axes[2], [_seed_dot()], 4)
-    titles(axes, ["static", "MOVE", "inside and outside of the circle"])
+    _legend_below(axes[2], [_seed_dot()], 2)
+    titles(axes, ["static", "MOVE", "in and out of the circle"])
     return figure
 
 
@@ -191,7 +195,7 @@ def fig6_dimensions(rates: pd.DataFrame) -> Figure:
 
 def _methods_and_seeds(figure: Figure, rates: pd.DataFrame) -> None:
     """A legend over the figure: the methods' colours and what a white dot is."""
-    bars = [plots.Patch(color=COLOURS[name], label=NAMES[name]) for name in COLOURS if name in set(rates.method)]
+    bars = [Patch(color=COLOURS[name], alpha=0.85, label=NAMES[name]) for name in COLOURS if name in set(rates.method)]
     figure.legend(handles=[*bars, _seed_dot()], ncol=4, loc="outside upper center")
 
 
@@ -285,12 +289,11 @@ def keypoint_control(rates: pd.DataFrame, controls: Mapping[str, float], printed
     figure, ax = plt.subplots(figsize=(COLUMN_WIDTH, 2.7))
     plots.curve(rates, "timesteps", "timesteps of demonstrations", ax, log=True)
     plots.printed_points(printed, ax)
-    ticks = sorted({*rates.timesteps, *printed.timesteps})
-    ax.set_xticks(ticks, [plots.short(tick) for tick in ticks])
+    plots.log_ticks({*rates.timesteps, *printed.timesteps}, ax)
     for name in ("expert", "goal-blind"):
         plots.level(controls[name], NAMES[name], ax)
     ax.set_ylim(-0.03, 1.12)
-    titles([ax], ["Pick-Place from keypoints: perception given"])
+    titles([ax], ["Pick-Place, from keypoints"])
     figure.legend(handles=plots.entries(list(rates.method.unique()), "paper, from images"), ncol=4,
                   loc="outside upper center", columnspacing=0.8, handletextpad=0.4)
     return figure
@@ -322,7 +325,7 @@ def statistics(simulated: pd.DataFrame) -> Figure:
     plots.coverages(simulated, axes[0])
     axes[0].legend(loc="lower left")
     plots.half_widths(simulated[simulated.interval == "ours"], axes[1])
-    titles(axes, ["do the intervals hold the truth?", "what another seed buys, by how much trainings differ"])
+    titles(axes, ["do the intervals hold the truth?", "what another seed buys"])
     return figure
 
 
@@ -404,7 +407,7 @@ def table_keypoint_control(rates: pd.DataFrame, controls: pd.DataFrame) -> Figur
     plots.task_rates(rates, controls, ax)
     handles, _ = ax.get_legend_handles_labels()
     figure.legend(handles=handles, ncol=5, loc="outside upper center")
-    titles([ax], ["from keypoints: perception given"])
+    titles([ax], ["ten tasks, from keypoints"])
     return figure
 
 

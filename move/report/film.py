@@ -84,10 +84,11 @@ def only(part: str) -> Motions:
     return Motions(**{**still, **moving[part]})
 
 
-def faster(part: str) -> float:
-    """How many times faster `only(part)` moves than the data sets do."""
+def pace(part: str) -> str:
+    """How fast `only(part)` moves, in words: against the data sets."""
     field = {"translation": "object_speed", "rotation": "yaw_speed", "camera": "camera_speed"}[part]
-    return getattr(only(part), field) / getattr(Motions(), field)
+    times = getattr(only(part), field) / getattr(Motions(), field)
+    return f"{times:.2g} times as fast as in the data" if times != 1 else "as fast as in the data"
 
 
 def strip(frames: np.ndarray, count: int) -> tuple[np.ndarray, list[int]]:

@@ -86,7 +86,7 @@ def circle(disc: Disc, ax: Axes) -> None:
 def coverage(seen: pd.DataFrame, part: str, low: tuple, high: tuple, ax: Axes) -> None:
     """Every place in the plane that `part` ("object" or "target") had at some timestep, inside its range (metres)."""
     method = seen.method.iloc[0]
-    ax.plot(seen[f"{part}_x"] * 100, seen[f"{part}_y"] * 100, ".", color=COLOURS[method], ms=2, alpha=0.5, mew=0,
+    ax.plot(seen[f"{part}_x"] * 100, seen[f"{part}_y"] * 100, "o", color=COLOURS[method], ms=2, alpha=0.5, mew=0,
             clip_on=False)
     ax.add_patch(Rectangle((low[0] * 100, low[1] * 100), (high[0] - low[0]) * 100, (high[1] - low[1]) * 100,
                            fill=False, color="#888888", lw=0.8))

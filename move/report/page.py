@@ -95,9 +95,9 @@ def publish(name: str, figure: Figure | None, tables: dict[str, pd.DataFrame], g
 
 
 def publish_alone(name: str, figure: Figure | None, tables: dict[str, pd.DataFrame], profile: Profile,
-                  source: str = "", found: str = "") -> None:
+                  source: str = "", found: str = "", layouts: dict[str, pd.DataFrame] | None = None) -> None:
     """`publish` for a notebook that needs no runs; `source` says where the numbers come from."""
-    write(name, figure, tables, profile, source, found)
+    write(name, figure, tables, profile, source, found, layouts=layouts)
 
 
 def write(name: str, figure: Figure | None, tables: dict[str, pd.DataFrame], profile: Profile, source: str,

@@ -6,7 +6,7 @@ whose value is NaN is drawn as missing. Maps and frames are in `move.report.maps
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -57,6 +57,7 @@ def grouped_rates(table: pd.DataFrame, by: str, labels: list[str], ax: Axes) -> 
         _printed_line(place, row.paper, width, ax)
         named.add(row.method)
     ax.set_xticks(range(len(groups)), labels)
+    ax.set_xlim(-0.5, len(groups) - 0.5)
     _success(ax, bars=True)
 
 
@@ -147,7 +148,7 @@ def curve(table: pd.DataFrame, x: str, label: str, ax: Axes, log: bool = False) 
         label: of the horizontal axis.
     """
     ticks = sorted(table[x].unique())
-    apart = 0.02 * (np.log(ticks[-1] / ticks[0]) if log else ticks[-1] - ticks[0])
+    apart = 0.025 * (np.log(ticks[-1] / ticks[0]) if log else ticks[-1] - ticks[0])
     methods = [name for name in COLOURS if name in set(table.method)]
     for method, shift in zip(methods, apart * np.linspace(-1, 1, len(methods)) * (len(methods) > 1), strict=True):
         rows = table[table.method == method].sort_values(x)
@@ -159,25 +160,38 @@ def curve(table: pd.DataFrame, x: str, label: str, ax: Axes, log: bool = False) 
         ax.plot(missing[x], np.full(len(missing), height), ls="none", marker="$?$", ms=5, mew=0.3,
                 color=COLOURS[method], label="_missing")
     if log:
-        ax.set_xscale("log")
-    ax.set_xticks(ticks, [short(tick) for tick in ticks])
-    ax.minorticks_off()
+        log_ticks(ticks, ax)
+    else:
+        ax.set_xticks(ticks, [_short(tick) for tick in ticks])
     ax.set_xlabel(label)
     _success(ax)
 
 
-def short(number: float) -> str:
+def log_ticks(ticks: Iterable[float], ax: Axes) -> None:
+    """A logarithmic horizontal axis with these ticks; one too near to the last named one has no name."""
+    places = sorted(ticks)
+    apart, names, last = 0.16 * np.log(places[-1] / places[0]), [], -np.inf
+    for place in places:
+        near = np.log(place) - last < apart
+        names.append("" if near else _short(place))
+        last = last if near else np.log(place)
+    ax.set_xscale("log")
+    ax.set_xticks(places, names)
+    ax.minorticks_off()
+
+
+def _short(number: float) -> str:
     return f"{number / 1000:g}k" if number >= 1000 else f"{number:.2g}"
 
 
 def printed_points(points: pd.DataFrame, ax: Axes) -> None:
-    """The paper's success at its own budgets, a hollow diamond in each method's colour.
+    """The paper's success at its own budgets, a hollow diamond in each method's colour, a little to the right.
 
     Args:
         points: method, timesteps, value.
     """
     for row in points.itertuples():
-        ax.plot(row.timesteps, row.value, "D", ms=3.5, mew=1.0, color=COLOURS[row.method], mfc="white", zorder=4,
+        ax.plot(1.15 * row.timesteps, row.value, "D", ms=3.5, mew=1.0, color=COLOURS[row.method], mfc="white", zorder=4,
                 clip_on=False)
 
 
@@ -186,7 +200,7 @@ def entries(methods: Sequence[str], paper: str = "", missing: bool = False) -> l
     handles = [Line2D([], [], color=COLOURS[name], marker="o", ms=3, lw=1.1, label=NAMES[name])
                for name in COLOURS if name in methods]
     handles += [Line2D([], [], ls="none", marker="D", ms=3.5, color="#444444", mfc="white", label=paper)] * bool(paper)
-    handles += [Line2D([], [], ls="none", marker="$?$", ms=5, color="#444444", label="missing")] * missing
+    handles += [Line2D([], [], ls="none", marker="$?$", ms=5, mew=0.3, color="#444444", label="missing")] * missing
     return handles
 
 
@@ -386,7 +400,7 @@ def costs(table: pd.DataFrame, value: str, paper: dict[str, float], ax: Axes, sh
     """
     methods, experts = list(table.method.unique()), list(table.expert.unique())
     for place, method in enumerate(methods):
-        for expert, shift in zip(experts, (-0.2, 0.2), strict=True):
+        for expert, shift in zip(experts, (-0.2, 0.2), strict=False):
             values = table[(table.method == method) & (table.expert == expert)][value]
             ax.bar(place + shift, values.mean(), width=0.36, color=COLOURS[method], alpha=0.85 if shift < 0 else 0.45)
             low, high = share_interval(values) if share else _mean_interval(values)

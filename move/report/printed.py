@@ -139,7 +139,7 @@ def readable(table: pd.DataFrame) -> pd.DataFrame:
 def _by_company(table: pd.DataFrame) -> dict[str, tuple[str, Cell]]:
     """The columns whose meaning hangs on what stands beside them."""
     paper = ("Paper (points)", _points) if "gap" in table else (
-        ("Paper (%)", _percent) if "value" in table else ("Paper", _count))
+        ("Paper (%)", _percent) if "value" in table else ("Paper, timesteps", _count))
     lost = {"gap": ("Lost elsewhere (points)", _points)} if "own" in table else {}
     than = {"than": ("Against (%)", _percent)} if "share" in table else {}
     return {"paper": paper, **lost, **than}

@@ -10,7 +10,6 @@ import matplotlib as mpl
 import seaborn as sns
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.text import Text
 
 from move.report.captions import Caption
 
@@ -72,11 +71,6 @@ def stamp(figure: Figure, text: str, colour: str = "0.35", points: float = 24) -
         ax.patch.set_visible(False)
     figure.text(0.5, 0.5, text, fontsize=max(points * width / PAGE_WIDTH, LEAST_POINTS), color=colour, alpha=0.2,
                 ha="center", va="center", rotation=rotation, weight="bold", zorder=-1)
-
-
-def visible_texts(figure: Figure) -> list[Text]:
-    """Every text of a figure that a reader sees."""
-    return [text for text in figure.findobj(Text) if text.get_text().strip() and text.get_visible()]
 
 
 def save(figure: Figure, name: str, folder: Path, caption: Caption | None = None) -> None:
