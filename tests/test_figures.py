@@ -1,4 +1,4 @@
-"""Every whole figure, from toy tables: readable when printed, its panels lettered, nothing cut off, all of it captioned."""
+"""Every whole figure, from toy tables: readable when printed, panels lettered, nothing cut off, all of it captioned."""
 
 import inspect
 import re
@@ -165,7 +165,8 @@ FIGURES = {
     "table6_collection": lambda: figures.table6_collection(
         costs(), pd.DataFrame({"method": ["static"], "paper_mean_steps": [83.8], "paper_generation_rate": [0.93]})),
     "table_adc": lambda: figures.table_adc(
-        rates(("adc",), observation=["rgb", "keypoints"], task=PAPER_TASKS, jumping=["as printed", "mended", "periodic"])),
+        rates(("adc",), observation=["rgb", "keypoints"], task=PAPER_TASKS,
+              jumping=["as printed", "mended", "periodic"])),
     "table_keypoint_control": lambda: figures.table_keypoint_control(
         rates(PAPER_METHODS, task=PAPER_TASKS).drop(columns="paper"), controls()),
     "table_recipe": lambda: figures.table_recipe(pd.concat([recipe(7000), recipe(20_000)])),

@@ -82,7 +82,7 @@ def test_every_plot_of_methods_stands_in_this_file():
               if getattr(plot, "__module__", "") == plots.__name__ and not name.startswith("_")}
     assert public == {*DRAWN} | {"gaps", "changes", "gains", "readings", "level", "coverages", "half_widths",
                                  "efficiencies", "verdicts", "entries", "cost_entries", "own_and_elsewhere_entries",
-                                 "share_interval", "log_ticks"}
+                                 "share_interval", "log_ticks", "short"}
 
 
 def test_rates_stand_over_their_names_with_the_papers_value_dotted_and_named_once():
@@ -215,7 +215,8 @@ def test_a_rate_at_its_own_grasps_is_hollow_one_elsewhere_filled_and_one_in_moti
             for mark in drawn} == expected and len(drawn) == 9
     entries = plots.own_and_elsewhere_entries(table)
     assert [entry.get_label() for entry in entries[:3]] == [NAME[name] for name in METHODS]
-    assert {(entry.get_marker(), to_hex(entry.get_mfc()).replace("#444444", "") or None) for entry in entries[3:]} == looks
+    assert {(entry.get_marker(), to_hex(entry.get_mfc()).replace("#444444", "") or None)
+            for entry in entries[3:]} == looks
 
 
 def test_changes_and_gains_stand_at_their_numbers_beside_their_names_and_minutes():

@@ -63,8 +63,8 @@ def caption(name: str, source: str = "", found: str = "") -> Caption:
     if name not in FIGURES:
         raise BadInput(f"picture: {name!r} given; allowed are those with words in move/report/captions.py: "
                        f"{', '.join(FIGURES)}")
-    words, found = FIGURES[name], plain(found) or "Nothing was computed."
-    return Caption(words.title, f"{words.shown} {plain(source)}".strip(), found, f"{words.alt} {found}")
+    words, found = FIGURES[name], _sentence(found) or "Nothing was computed."
+    return Caption(words.title, f"{words.shown} {_sentence(source)}".strip(), found, f"{words.alt} {found}")
 
 
 def table_caption(name: str, source: str = "") -> str:
@@ -76,7 +76,7 @@ def table_caption(name: str, source: str = "") -> str:
     if name not in TABLES:
         raise BadInput(f"table: {name!r} given; allowed are those with words in move/report/captions.py: "
                        f"{', '.join(TABLES)}")
-    return f"{TABLES[name]} {plain(source)}".strip()
+    return f"{TABLES[name]} {_sentence(source)}".strip()
 
 
 def plain(text: str) -> str:
@@ -87,6 +87,12 @@ def plain(text: str) -> str:
     """
     words = text.replace("**", "").replace("`", "").split()
     return " ".join(word for word in words if word != "-")
+
+
+def _sentence(text: str) -> str:
+    """Plain text that begins with a capital and ends with a full stop."""
+    words = plain(text)
+    return words[:1].upper() + words[1:] + "." * (words[-1:] not in (".", "")) if words else ""
 
 
 def listed(parts: Iterable[object]) -> str:

@@ -361,7 +361,8 @@ def table2_main(rates: pd.DataFrame, given: pd.DataFrame, controls: pd.DataFrame
     handles, _ = axes[0].get_legend_handles_labels()
     figure.legend(handles=handles, ncol=6, loc="outside upper center")
     plots.gaps(gaps, "task", [TASKS[name].title for name in gaps.task.unique()], axes[2], means)
-    axes[2].legend()
+    handles, _ = axes[2].get_legend_handles_labels()
+    axes[2].legend(handles=sorted(handles, key=lambda handle: handle.get_label().endswith("paper")))
     titles(axes, ["from pixels", "from keypoints: perception given", "from pixels: MOVE minus the others"])
     return figure
 
@@ -427,7 +428,7 @@ def table_recipe(table: pd.DataFrame) -> Figure:
         plots.gains(rows, gain)
         gain.tick_params(labelleft=False)
         success.tick_params(labelleft=list(rows.change) != named)  # the same changes are named once
-        named, texts = list(rows.change), [*texts, f"{budget:,} timesteps", "gain"]
+        named, texts = list(rows.change), [*texts, f"{plots.short(budget)} timesteps", "gain"]
     titles(list(axes.flat), texts)
     return figure
 

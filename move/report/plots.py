@@ -134,7 +134,7 @@ def gaps(table: pd.DataFrame, by: str, labels: list[str], ax: Axes, means: pd.Da
                     capsize=1.5, color=colour, label=f"MOVE \N{MINUS SIGN} {NAMES[other]}")
         if "paper" in rows:
             ax.plot(rows.paper, places, "D", ms=3.5, mew=0.9, color=colour, mfc="white", zorder=4, clip_on=False,
-                    label=f"the same, paper's ({NAMES[other]})" if len(others) > 1 else "paper")
+                    label=f"MOVE \N{MINUS SIGN} {NAMES[other]}, paper")
     ax.set_yticks(range(len(values)), labels)
     ax.set_ylim(max(len(values), 1) - 0.5, -0.5)
     _points(ax, "difference of success (points)")
@@ -162,7 +162,7 @@ def curve(table: pd.DataFrame, x: str, label: str, ax: Axes, log: bool = False) 
     if log:
         log_ticks(ticks, ax)
     else:
-        ax.set_xticks(ticks, [_short(tick) for tick in ticks])
+        ax.set_xticks(ticks, [short(tick) for tick in ticks])
     ax.set_xlabel(label)
     _success(ax)
 
@@ -173,14 +173,14 @@ def log_ticks(ticks: Iterable[float], ax: Axes) -> None:
     apart, names, last = 0.16 * np.log(places[-1] / places[0]), [], -np.inf
     for place in places:
         near = np.log(place) - last < apart
-        names.append("" if near else _short(place))
+        names.append("" if near else short(place))
         last = last if near else np.log(place)
     ax.set_xscale("log")
     ax.set_xticks(places, names)
     ax.minorticks_off()
 
 
-def _short(number: float) -> str:
+def short(number: float) -> str:
     return f"{number / 1000:g}k" if number >= 1000 else f"{number:.2g}"
 
 

@@ -20,7 +20,7 @@ from move.report.style import NAMES
 from move.sim.tasks import TASKS
 
 ABSENT, MINUS = "\N{EM DASH}", "\N{MINUS SIGN}"
-LONG_ROWS, LONG_TEXT, WIDE = 45, 36, 62  # rows on a page; letters of a cell that breaks lines; letters in one column
+LONG_ROWS, LONG_TEXT, WIDE = 45, 44, 62  # rows on a page; letters of a cell that breaks lines; letters in one column
 
 Cell = Callable[[Any], str]
 
@@ -99,8 +99,8 @@ COLUMNS: dict[str, tuple[str, Cell]] = {
     "count": ("Tasks", _count), "covered": ("Hold the truth (%)", _percent), "interval": ("Interval", str),
     "half_width": ("Half width (points)", _width), "deviation": ("Trainings differ by (points)", _width),
     "ratio": ("Factor", _factor), "least": ("Least", _factor), "most": ("Most", _factor),
-    "mean_difference": ("Mean difference (points)", _points), "iqm_first": ("IQM, MOVE (%)", _percent),
-    "iqm_second": ("IQM, other (%)", _percent), "iqm_difference": ("IQM difference (points)", _points),
+    "mean_difference": ("Mean (points)", _points), "iqm_first": ("IQM, MOVE (%)", _percent),
+    "iqm_second": ("IQM, other (%)", _percent), "iqm_difference": ("IQM (points)", _points),
     "improvement": ("MOVE better (%)", _percent), "p_value": ("p", _probability), "rate": ("Success (%)", _percent),
     "difference": ("Difference (points)", _points), "number": ("No.", str), "claim": ("Claim", str),
     "first": ("First", str), "second": ("Second", str), "fisher": ("p, Fisher", _probability),
@@ -138,11 +138,14 @@ def readable(table: pd.DataFrame) -> pd.DataFrame:
 
 def _by_company(table: pd.DataFrame) -> dict[str, tuple[str, Cell]]:
     """The columns whose meaning hangs on what stands beside them."""
-    paper = ("Paper (points)", _points) if "gap" in table else (
+    paper: tuple[str, Cell] = ("Paper (points)", _points) if "gap" in table else (
         ("Paper (%)", _percent) if "value" in table else ("Paper, timesteps", _count))
     lost = {"gap": ("Lost elsewhere (points)", _points)} if "own" in table else {}
     than = {"than": ("Against (%)", _percent)} if "share" in table else {}
-    return {"paper": paper, **lost, **than}
+    if "paper" in table and not pd.api.types.is_numeric_dtype(table["paper"]):
+        paper = ("Paper", str)  # a profile's name is "paper", too
+    seeds = {"seeds": ("Seeds", _count)} if "seeds" in table and table.seeds.map(type).ne(list).all() else {}
+    return {"paper": paper, **lost, **than, **seeds}
 
 
 def _cell(cell: Cell, value: Any, low: Any = None, high: Any = None) -> str:
@@ -177,14 +180,17 @@ def save(
 def latex(printed: pd.DataFrame, name: str, source: str = "") -> str:
     """A readable table as a LaTeX float with caption and label; a long one breaks over pages.
 
-    It needs the packages booktabs, longtable and multirow.
+    It needs the packages booktabs and longtable.
     """
-    escaped = printed.map(lambda cell: _escaped(str(cell)))
+    printed = printed.map(str)
+    escaped = printed.map(_escaped)
     escaped.columns = (pd.MultiIndex.from_tuples([tuple(map(_escaped, column)) for column in printed])
                        if printed.columns.nlevels > 1 else [_escaped(str(column)) for column in printed])
     width = [max(printed.iloc[:, place].str.len().max(), 0 if printed.columns.nlevels > 1 else len(str(column)))
              for place, column in enumerate(printed)]
-    room = f"{max(1.2, 6.0 - 0.065 * sum(letters for letters in width if letters <= LONG_TEXT)):.1f}in"
+    long = sum(letters > LONG_TEXT for letters in width)
+    left = 6.2 - 0.068 * sum(letters for letters in width if letters <= LONG_TEXT) - 0.17 * len(width)
+    room = f"{max(0.8, left / max(long, 1)):.1f}in"
     shape = "".join(f"p{{{room}}}" if letters > LONG_TEXT else "r" if _is_numbers(printed.iloc[:, place]) else "l"
                     for place, letters in enumerate(width))
     kind = "longtable" if len(printed) > LONG_ROWS else "table*" if sum(width) > WIDE else "table"

@@ -53,7 +53,7 @@ def object_figure(places: pd.DataFrame, speeds: pd.DataFrame, *, simulated: bool
         real_plots.object_map(places[places["method"] == method], ax, colour=COLOURS[method])
     real_plots.speed_dots(speeds, axes[0, -1])
     counts = [len(places[places["method"] == method].groupby(["part", "index"])) for method in methods]
-    style.titles(list(axes[0]), [*(f"{NAMES[method]}: the orange, {count} demonstrations"
+    style.titles(list(axes[0]), [*(f"{NAMES[method]}: the orange (n = {count})"
                                    for method, count in zip(methods, counts, strict=True)), "its speed"])
     if simulated:
         style.stamp(figure, SIMULATED_TEXT)

@@ -284,10 +284,10 @@ def printed_trials(table: pd.DataFrame) -> pd.DataFrame:
         table: from `move.realworld.trials.real_table`.
     """
     rows = [
-        {"timesteps": f"{row.timesteps // 1000}k", "method": NAMES[row.method],
-         "successes": f"{row.successes}/{row.trials}", "success": f"{100 * row.rate:.1f} %",
-         "95 % interval": f"{100 * row.low:.1f} to {100 * row.high:.1f} %", "score": f"{row.normalised:.3f}",
-         "allowed score": f"{row.score_low:.3f} to {row.score_high:.3f}"}
+        {"Timesteps": f"{row.timesteps:,}", "Method": NAMES[row.method], "Successes": f"{row.successes}/{row.trials}",
+         "Success (%)": f"{100 * row.rate:.1f}", "95 % interval": f"{100 * row.low:.1f} to {100 * row.high:.1f}",
+         "Score (%)": f"{100 * row.normalised:.1f}",
+         "Score that the successes allow": f"{100 * row.score_low:.1f} to {100 * row.score_high:.1f}"}
         for row in table.itertuples()
     ]
     return pd.DataFrame(rows)
