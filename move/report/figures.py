@@ -18,7 +18,7 @@ from matplotlib.patches import Patch
 
 from move.paper import PAPER_TASKS
 from move.report import maps, plots
-from move.report.style import COLOURS, COLUMN_WIDTH, NAMES, PAGE_WIDTH, titles
+from move.report.style import COLOURS, COLUMN_WIDTH, NAMES, PAGE_WIDTH, remark, titles
 from move.sim.configuration import Box
 from move.sim.grasp_points import CIRCLE
 from move.sim.tasks import TASKS
@@ -299,11 +299,12 @@ def keypoint_control(rates: pd.DataFrame, controls: Mapping[str, float], printed
     return figure
 
 
-def rollouts(strips: Strips, problem: str | None = None) -> Figure:
+def rollouts(strips: Strips, absent: Sequence[str] = (), problem: str | None = None) -> Figure:
     """One strip of frames an episode.
 
     Args:
-        problem: why there is none.
+        absent: methods whose policies are not there to be shown.
+        problem: why there is no strip.
     """
     count = max(1, len(strips))
     figure, axes = plt.subplots(count, 1, figsize=(PAGE_WIDTH, 1.14 * count), squeeze=False)
@@ -312,6 +313,8 @@ def rollouts(strips: Strips, problem: str | None = None) -> Figure:
     if not strips:
         _say(problem or "no run is stored", axes[0, 0])
     titles(list(axes.flat), list(strips) or [""])
+    if absent:
+        remark(figure, f"not shown, for the policy is not shipped: {', '.join(absent)}")
     return figure
 
 
