@@ -20,7 +20,7 @@ from move.sim.tasks import TASKS  # noqa: E402
 from move.study import experiments, results, statistics  # noqa: E402
 from move.study.labels import LabelledRun  # noqa: E402
 from move.study.profiles import load_profile  # noqa: E402
-from move.study.spec import CollectionRun  # noqa: E402
+from move.study.spec import CollectionRun, PolicyRun  # noqa: E402
 
 
 def episodes(rates: dict[str, float], seeds: int = 3, trials: int = 16) -> pd.DataFrame:
@@ -291,7 +291,7 @@ def test_a_figure_drawn_from_what_is_stored_runs_nothing(tmp_path, monkeypatch):
 
 
 def test_a_picture_from_keypoints_says_so_and_so_does_its_caption():
-    spec = RunSpec(task="push", seed=0, training=recipes.keypoints(),
+    spec = PolicyRun(task="push", seed=0, training=recipes.keypoints(),
                    collection=Collection(task="push", method="move", timesteps=2500))
     both = [results.Result(spec.model_copy(update={"seed": seed}), [{"success": True}] * 4, None, None,
                            {"train": 60.0 + seed}, {}) for seed in range(2)]

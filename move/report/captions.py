@@ -16,6 +16,8 @@ from typing import NamedTuple
 from move.errors import BadInput
 from move.study.results import Result
 
+LONGEST_ALTERNATIVE = 400  # letters of what came out
+
 
 class Words(NamedTuple):
     """Of one picture: its title, what is drawn with which marks, and what kind of picture it is, for who sees none."""
@@ -64,7 +66,7 @@ def caption(name: str, source: str = "", found: str = "") -> Caption:
         raise BadInput(f"picture: {name!r} given; allowed are those with words in move/report/captions.py: "
                        f"{', '.join(FIGURES)}")
     words, found = FIGURES[name], _sentence(found) or "Nothing was computed."
-    return Caption(words.title, f"{words.shown} {_sentence(source)}".strip(), found, f"{words.alt} {found}")
+    return Caption(words.title, f"{words.shown} {_sentence(source)}".strip(), found, f"{words.alt} {_brief(found)}")
 
 
 def table_caption(name: str, source: str = "") -> str:
@@ -93,6 +95,17 @@ def _sentence(text: str) -> str:
     """Plain text that begins with a capital and ends with a full stop."""
     words = plain(text)
     return words[:1].upper() + words[1:] + "." * (words[-1:] not in (".", "")) if words else ""
+
+
+def _brief(text: str) -> str:
+    """The first sentences of a text, as many as an alternative text can bear; at least one."""
+    sentences = text.split(". ")
+    kept = sentences[:1]
+    for sentence in sentences[1:]:
+        if sum(map(len, kept)) + len(sentence) > LONGEST_ALTERNATIVE:
+            break
+        kept.append(sentence)
+    return _sentence(". ".join(kept))
 
 
 def listed(parts: Iterable[object]) -> str:
@@ -239,6 +252,11 @@ FIGURES = {
         f"Success against the number of gradient steps, in multiples of the recipe's, one panel a task. {_INTERVALS} "
         f"Question marks are trainings that are not computed yet.",
         "One panel a task with a curve a method over the length of training."),
+    "fig_perception": Words(
+        "What is left when perception is given",
+        f"Success in figures 1, 3 and 5 and in table 1 away from the demonstrations' own grasp points, (a) from pixels "
+        f"and (b) from keypoints. {_INTERVALS} White dots are single seeds.",
+        "Two panels of bars, static beside MOVE in each experiment."),
     "generalization": Words(
         "Failing to learn, to generalise, or to follow?",
         f"Success of each policy at the grasps of its own demonstrations (hollow; fewer configurations than elsewhere, "
@@ -347,6 +365,9 @@ TABLES = {
     "fig_training_length": f"Length of training. {_RATES}",
     "fig_training_length_depends": "MOVE minus static at the longest training, minus the same at the shortest; in "
                                    "points, with 95 % intervals.",
+    "fig_perception": f"Figures 1, 3 and 5 and table 1, from pixels and from keypoints. {_RATES}",
+    "fig_perception_gaps_rgb": f"Figures 1, 3 and 5 and table 1, from pixels. {_GAPS}",
+    "fig_perception_gaps_keypoints": f"Figures 1, 3 and 5 and table 1, from keypoints, perception given. {_GAPS}",
     "generalization": "Success in per cent at a policy's own grasps, elsewhere, and elsewhere in motion; what is lost "
                       "from own grasps to elsewhere in points.",
     "generalization_rates": f"The same with intervals. {_RATES}",

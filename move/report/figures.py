@@ -24,6 +24,7 @@ from move.sim.grasp_points import CIRCLE
 from move.sim.tasks import TASKS
 from move.study.claims import VERDICTS
 
+SEEN = {"rgb": "from pixels", "keypoints": "from keypoints: perception given"}
 Strips = Mapping[str, tuple[np.ndarray, Sequence[int]]]  # title -> frames (count, size, size, 3), their timesteps
 
 
@@ -270,6 +271,24 @@ def equal_demonstrations(rates: pd.DataFrame, task: str) -> Figure:
     return figure
 
 
+def fig_perception(rates: pd.DataFrame) -> Figure:
+    """Static beside MOVE in several experiments, from pixels and from keypoints.
+
+    Args:
+        rates: observation, experiment, and what `plots.grouped_rates` takes.
+    """
+    kinds = list(rates.observation.unique())
+    figure, axes = plt.subplots(1, len(kinds), figsize=(PAGE_WIDTH, 2.6), sharey=True, squeeze=False)
+    for ax, kind in zip(axes.flat, kinds, strict=True):
+        rows = rates[rates.observation == kind]
+        labels = [name.replace(", ", "\n").replace("+", "\n+ ") for name in rows.experiment.unique()]
+        plots.grouped_rates(rows.assign(paper=np.nan), "experiment", labels, ax)
+        ax.set_ylabel("success (%)" if ax is axes[0, 0] else "")
+    titles(list(axes.flat), [SEEN[kind] for kind in kinds])
+    _methods_and_seeds(figure, rates)
+    return figure
+
+
 def generalization(rates: pd.DataFrame) -> Figure:
     """For each task and method its rates at its own grasps, elsewhere and in motion."""
     figure, ax = plt.subplots(figsize=(PAGE_WIDTH, 2.6))
@@ -394,14 +413,13 @@ def table_adc(rates: pd.DataFrame) -> Figure:
     Args:
         rates: observation, and what `plots.readings` takes with the column jumping.
     """
-    names = {"rgb": "from pixels", "keypoints": "from keypoints: perception given"}
     kinds = list(rates.observation.unique())
     figure, axes = plt.subplots(len(kinds), 1, figsize=(PAGE_WIDTH, 2.1 * len(kinds) + 0.3), squeeze=False)
     for ax, kind in zip(axes.flat, kinds, strict=True):
         plots.readings(rates[rates.observation == kind], "jumping", ax)
     handles, _ = axes[0, 0].get_legend_handles_labels()
     figure.legend(handles=handles, ncol=3, loc="outside upper center")
-    titles(list(axes.flat), [names[kind] for kind in kinds])
+    titles(list(axes.flat), [SEEN[kind] for kind in kinds])
     return figure
 
 

@@ -189,11 +189,12 @@ def latex(printed: pd.DataFrame, name: str, source: str = "") -> str:
     width = [max(printed.iloc[:, place].str.len().max(), 0 if printed.columns.nlevels > 1 else len(str(column)))
              for place, column in enumerate(printed)]
     long = sum(letters > LONG_TEXT for letters in width)
-    left = 6.2 - 0.068 * sum(letters for letters in width if letters <= LONG_TEXT) - 0.17 * len(width)
+    left = 6.4 - 0.06 * sum(letters for letters in width if letters <= LONG_TEXT) - 0.17 * len(width)
     room = f"{max(0.8, left / max(long, 1)):.1f}in"
     shape = "".join(f"p{{{room}}}" if letters > LONG_TEXT else "r" if _is_numbers(printed.iloc[:, place]) else "l"
                     for place, letters in enumerate(width))
-    kind = "longtable" if len(printed) > LONG_ROWS else "table*" if sum(width) > WIDE else "table"
+    lines = len(printed) * (2 if long else 1)
+    kind = "longtable" if lines > LONG_ROWS else "table*" if sum(width) > WIDE else "table"
     text = escaped.style.hide(axis="index").to_latex(
         hrules=True, column_format=shape, caption=_escaped(table_caption(name, source)), label=f"tab:{name}",
         environment=kind, multicol_align="c", **({} if kind == "longtable" else {"position": "tbp"}))

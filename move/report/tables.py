@@ -203,7 +203,8 @@ def with_missing(rates: pd.DataFrame, runs: list[LabelledRun], by: list[str]) ->
         rates: as `rate_table` gives them by `by`.
     """
     wanted = pd.DataFrame([{**run.labels, "task": run.spec.task, "method": run.spec.method,
-                            "timesteps": run.spec.collection.timesteps} for run in runs if run.spec.collection])
+                            "observation": run.spec.observation, "timesteps": run.spec.collection.timesteps}
+                           for run in runs if run.spec.collection])
     table = wanted[by].drop_duplicates().merge(rates, on=by, how="left")
     return table.assign(seeds=[seeds if isinstance(seeds, list) else [] for seeds in table.seeds])
 
