@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
+from typing import cast
 
 import av
 import numpy as np
+from av.video.stream import VideoStream
 
 
 def write_video(path: Path, images: Iterable[np.ndarray], size: tuple[int, int], fps: int, pixel_format: str,
-                options: Mapping[str, str]) -> None:
+                options: Mapping[str, str], codec: str = "libx264") -> None:
     """Write an H.264 video: the same images give the same file.
 
     For that the encoder has one thread and no macroblock tree, with which the same images did not always give it.
@@ -18,11 +20,13 @@ def write_video(path: Path, images: Iterable[np.ndarray], size: tuple[int, int],
     Args:
         images: each (height, width, 3) uint8.
         size: height, width in pixels.
-        options: of libx264, such as its `crf`.
+        options: of the codec, such as its `crf`.
+        codec: "libx264rgb" with the pixel format "rgb24" and qp 0 gives back exactly these images, on every machine.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     with av.open(str(path), "w") as container:
-        stream = container.add_stream("libx264", rate=fps, options={**options, "x264-params": "mbtree=0"})
+        settings = {**options, "x264-params": "mbtree=0"}
+        stream = cast(VideoStream, container.add_stream(codec, rate=fps, options=settings))
         stream.height, stream.width, stream.pix_fmt = *size, pixel_format
         stream.codec_context.thread_count = 1
         for image in images:

@@ -10,6 +10,7 @@ from move.learn import rollout
 from move.learn.evaluate import Evaluation
 from move.learn.train import train
 from move.machine import gl_problem
+from move.paper import PAPER_TASKS
 from move.report import film
 from move.sim.collect import Collection, collect
 from move.sim.tasks import get_task
@@ -77,10 +78,42 @@ def test_a_strip_shows_one_motion_alone(part, field):
     assert [name for name, speed in speeds.items() if speed] == [field]
 
 
-def test_a_strip_is_evenly_spaced_frames_side_by_side():
+def test_a_strip_says_how_fast_it_is():
+    assert film.pace("translation") == "as fast as in the data"
+    assert film.pace("camera") == "4 times as fast as in the data" and film.pace("rotation").startswith("5.7 times")
+
+
+def test_a_strip_is_evenly_spaced_frames_with_their_timesteps():
     frames = np.arange(9, dtype=np.uint8)[:, None, None, None].repeat(2, 1).repeat(2, 2).repeat(3, 3)
-    strip = film.strip(frames, 3)
-    assert strip.shape == (2, 6, 3) and strip[0, ::2, 0].tolist() == [0, 4, 8]
+    strip, steps = film.strip(frames, 3)
+    assert strip.shape == (3, 2, 2, 3) and strip[:, 0, 0, 0].tolist() == [0, 4, 8] == steps
+
+
+def test_a_film_says_whose_it_is_how_it_ended_and_what_is_what():
+    frames = np.zeros((2, 320, 320, 3), np.uint8)
+    told = film.titled(frames, "MOVE", "pick-place", "success")
+    assert told.shape == (2, 360, 320, 3) and (told[:, film.BAND:] == frames).all()
+    band = told[:, :film.BAND]
+    assert (band[0] != band[1]).any(), "the timestep changes"
+    for words in (("static", "pick-place", "success"), ("MOVE", "push", "success"), ("MOVE", "pick-place", "failure")):
+        other = film.titled(frames, *words)
+        assert (other[0, :film.BAND] != band[0]).any()
+    dark = (told[:, :film.BAND] < 100).all(axis=3)
+    assert not dark[:, :, -4:].any() and not dark[:, -2:].any(), "no letter is cut off"
+
+
+def test_every_task_of_the_paper_has_its_colours_told():
+    assert set(film.SEEN) == set(PAPER_TASKS)
+    for task in PAPER_TASKS:
+        band = film.titled(np.zeros((1, 320, 320, 3), np.uint8), "static, episode 100", task, "success")[0, :film.BAND]
+        assert not (band[:, -4:] < 100).all(axis=2).any(), task
+
+
+def test_films_side_by_side_last_as_long_as_the_longest():
+    short, long = np.full((2, 4, 4, 3), 10, np.uint8), np.arange(5, dtype=np.uint8)[:, None, None, None].repeat(4, 1)
+    both = film.side_by_side([short, long.repeat(4, 2).repeat(3, 3)])
+    assert both.shape == (5, 4, 16, 3) and both[4, 0, 0, 0] == 10 and both[:, 0, -1, 0].tolist() == [0, 1, 2, 3, 4]
+    assert (both[:, :, 4:12] == 255).all()
 
 
 @needs_gl

@@ -8,14 +8,21 @@ import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 import pandas as pd  # noqa: E402
 import pytest  # noqa: E402
+from matplotlib.collections import PathCollection  # noqa: E402
 from matplotlib.colors import to_hex  # noqa: E402
 
-from move.report import plots  # noqa: E402
+from move.report import maps, plots, style  # noqa: E402
 
 COLOUR = {"static": "#0072b2", "adc": "#e69f00", "move": "#d55e00"}  # Okabe and Ito: blue, orange, vermillion
 NAME = {"static": "static", "adc": "ADC", "move": "MOVE"}
 VALUE = {"static": 0.2, "adc": 0.5, "move": 0.8}
 METHODS = list(VALUE)
+
+
+@pytest.fixture(autouse=True)
+def few_figures():
+    yield
+    plt.close("all")
 
 
 def rows(**columns) -> pd.DataFrame:
@@ -30,52 +37,107 @@ def draw(plot, *arguments) -> plt.Axes:
     return ax
 
 
-def labelled(ax: plt.Axes) -> dict[str, tuple[str, float]]:
-    """Label -> colour and height of what the legend shows under it."""
-    found = {}
-    for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
-        mark = handle[0]
-        height = mark.get_height() if hasattr(mark, "get_height") else mark.get_ydata()[0]
-        colour = mark.get_facecolor() if hasattr(mark, "get_facecolor") else mark.get_color()
-        found[label] = (to_hex(colour), float(height))
+def many(column: str, values) -> pd.DataFrame:
+    return pd.concat([rows(**{column: value}) for value in values])
+
+
+COSTS = pd.DataFrame([{"task": task, "method": method, "expert": expert, "mean_steps": VALUE[method] + task / 100}
+                      for method in METHODS for expert in ("phase", "metaworld") for task in (-1, 0, 1)])
+DRAWN = {  # plot -> how it is drawn with every method
+    "rates": lambda: draw(plots.rates, rows()),
+    "grouped_rates": lambda: draw(plots.grouped_rates, rows(where="here"), "where", ["here"]),
+    "ladder": lambda: draw(plots.ladder, rows().assign(moves=METHODS), "moves"),
+    "curve": lambda: draw(lambda table, ax: plots.curve(table, "timesteps", "timesteps", ax, log=True),
+                          many("timesteps", (100, 200))),
+    "printed_points": lambda: draw(plots.printed_points, rows(timesteps=20_000)),
+    "task_rates": lambda: draw(plots.task_rates, rows(task="push"), pd.DataFrame()),
+    "own_and_elsewhere": lambda: draw(plots.own_and_elsewhere, rows(task="push", group="random")),
+    "costs": lambda: draw(plots.costs, COSTS, "mean_steps", {}),
+}
+
+
+def marks(ax: plt.Axes) -> dict[str, set[float]]:
+    """Colour -> heights of the bars and of the points of that colour, hollow ones left out."""
+    found: dict[str, set[float]] = {}
+    for bar in ax.patches:
+        found.setdefault(to_hex(bar.get_facecolor()), set()).add(round(float(bar.get_height()), 6))
+    for line in ax.get_lines():
+        heights = {round(float(value), 6) for value in line.get_ydata() if np.isfinite(value)}
+        if line.get_marker() in ("o", "^", "D") and heights:
+            found.setdefault(to_hex(line.get_color()), set()).update(heights)
     return found
 
 
-def test_rates_are_bars_in_the_methods_colours_over_their_names():
+@pytest.mark.parametrize("name", DRAWN)
+def test_each_method_has_its_colour_at_its_number_in_every_plot(name):
+    drawn = marks(DRAWN[name]())
+    for method, colour in COLOUR.items():
+        assert VALUE[method] in drawn[colour], method
+    assert set(drawn) <= {*COLOUR.values(), "#444444"}, "and no other colour but the dots of single tasks"
+
+
+def test_every_plot_of_methods_stands_in_this_file():
+    """What is left out draws no method, or is a part of what draws one."""
+    public = {name for name, plot in vars(plots).items()
+              if getattr(plot, "__module__", "") == plots.__name__ and not name.startswith("_")}
+    assert public == {*DRAWN} | {"gaps", "changes", "gains", "readings", "level", "coverages", "half_widths",
+                                 "efficiencies", "verdicts", "entries", "cost_entries", "own_and_elsewhere_entries",
+                                 "share_interval", "log_ticks", "short"}
+
+
+def test_rates_stand_over_their_names_with_the_papers_value_dotted_and_named_once():
     ax = draw(plots.rates, rows())
-    assert [(to_hex(bar.get_facecolor()), bar.get_height()) for bar in ax.patches] == [
-        (COLOUR[name], VALUE[name]) for name in METHODS]
     assert [label.get_text() for label in ax.get_xticklabels()] == [NAME[name] for name in METHODS]
     dotted = [line.get_ydata()[0] for line in ax.get_lines() if line.get_linestyle() == ":"]
     assert dotted == [value / 2 for value in VALUE.values()]
+    assert ax.get_legend_handles_labels()[1] == ["paper"]
 
 
-def test_grouped_rates_name_each_bar_by_its_method():
-    ax = draw(plots.grouped_rates, rows(where="here"), "where", ["here"])
-    assert labelled(ax) == {NAME[name]: (COLOUR[name], VALUE[name]) for name in METHODS}
+def test_every_bar_has_a_dot_a_seed():
+    table = rows(where="here").assign(seeds=[[0.1, 0.3], [0.5], [0.7, 0.8, 0.9]])
+    for ax in (draw(plots.grouped_rates, table, "where", ["here"]), draw(plots.rates, table),
+               draw(plots.ladder, table.assign(moves=METHODS), "moves")):
+        dots = [dots for dots in ax.collections if isinstance(dots, PathCollection)]
+        assert [[place[1] for place in one.get_offsets()] for one in dots] == table.seeds.tolist()
 
 
-def test_gaps_are_drawn_in_the_colour_and_under_the_name_of_the_other_method():
+def test_grouped_rates_name_each_bar_by_its_method_also_where_the_first_group_lacks_it():
+    table = pd.concat([rows(where="inside").iloc[:1], rows(where="outside")])
+    handles, labels = draw(plots.grouped_rates, table, "where", ["inside", "outside"]).get_legend_handles_labels()
+    named = {label: to_hex(handle[0].get_facecolor()) for handle, label in zip(handles, labels, strict=True)
+             if label != "paper"}
+    assert named == {NAME[name]: COLOUR[name] for name in METHODS}
+
+
+def test_what_is_missing_says_so():
+    table = rows(where="here").assign(value=[0.2, np.nan, 0.8])
+    for ax in (draw(plots.grouped_rates, table, "where", ["here"]),
+               draw(plots.ladder, table.assign(moves=METHODS), "moves")):
+        assert [text.get_text() for text in ax.texts] == ["missing"] and len(ax.patches) == 2
+        assert ax.get_xlim()[0] < ax.texts[0].xy[0] < ax.get_xlim()[1]
+    ax = draw(lambda rows, ax: plots.curve(rows, "timesteps", "timesteps", ax, log=True),
+              pd.concat([table.assign(timesteps=100), table.assign(timesteps=200, value=0.5, low=0.1, high=1.0)]))
+    asked = [(to_hex(line.get_color()), line.get_xdata().tolist()) for line in ax.get_lines()
+             if line.get_marker() == "$?$" and len(line.get_xdata())]
+    assert asked == [(COLOUR["adc"], [100])]
+
+
+def test_gaps_are_drawn_in_no_methods_colour_and_name_what_they_are():
     table = pd.DataFrame([{"task": "push", "than": other, "gap": gap, "low": gap - 0.1, "high": gap + 0.1, "paper": 0.4}
                           for other, gap in (("static", 0.6), ("adc", 0.3))])
     ax = draw(plots.gaps, table, "task", ["Push"])
     drawn = {container.get_label(): (to_hex(container[0].get_color()), container[0].get_xdata()[0])
              for container in ax.containers}
-    assert drawn == {"MOVE - static": (COLOUR["static"], 0.6), "MOVE - ADC": (COLOUR["adc"], 0.3)}
-
-
-def test_scaling_draws_each_methods_line_through_its_points():
-    table = pd.concat([rows(timesteps=timesteps) for timesteps in (100, 200)])
-    ax = draw(plots.scaling, table)
-    for line in ax.get_lines():
-        (method,) = (name for name in METHODS if NAME[name] == line.get_label())
-        assert to_hex(line.get_color()) == COLOUR[method] and set(line.get_ydata()) == {VALUE[method]}
-    assert len(ax.get_lines()) == len(ax.collections) == 3
+    assert {label: gap for label, (_, gap) in drawn.items()} == {"MOVE − static": 0.6, "MOVE − ADC": 0.3}
+    assert not {colour for colour, _ in drawn.values()} & {colour.lower() for name, colour in style.COLOURS.items()
+                                                            if name in ("static", "adc", "move", "mixture")}
+    assert ax.get_xlabel() == "difference of success (points)"
+    assert ax.xaxis.get_major_formatter()(-0.05, 0) == "−5" and ax.xaxis.get_major_formatter()(0.05, 0) == "+5"
 
 
 @pytest.mark.parametrize("log", [False, True])
 def test_a_curve_draws_each_method_at_its_rates(log):
-    table = pd.concat([rows(length=length) for length in (0.333, 1.0, 3.0)])
+    table = many("length", (0.333, 1.0, 3.0))
     ax = draw(lambda rows, ax: plots.curve(rows, "length", "gradient steps", ax, log), table[table.method != "adc"])
     drawn = {container.get_label(): (to_hex(container[0].get_color()), set(container[0].get_ydata()))
              for container in ax.containers}
@@ -83,28 +145,35 @@ def test_a_curve_draws_each_method_at_its_rates(log):
     assert [label.get_text() for label in ax.get_xticklabels()] == ["0.33", "1", "3"]
 
 
-def test_the_papers_points_are_crosses_in_the_methods_colours():
+def test_ticks_that_would_touch_have_no_name():
+    ax = draw(lambda ticks, ax: plots.log_ticks(ticks, ax), [5000, 10_000, 40_000, 50_000])
+    assert [label.get_text() for label in ax.get_xticklabels()] == ["5k", "10k", "40k", ""]
+
+
+def test_the_papers_points_are_hollow_diamonds():
     ax = draw(plots.printed_points, rows(timesteps=20_000))
-    assert [(to_hex(line.get_color()), line.get_ydata()[0], line.get_label()) for line in ax.get_lines()] == [
-        (COLOUR[name], VALUE[name], f"{NAME[name]}, paper") for name in METHODS]
+    assert [(line.get_marker(), to_hex(line.get_mfc())) for line in ax.get_lines()] == [("D", "#ffffff")] * 3
+    assert [handle.get_label() for handle in plots.entries(["move", "static"], "paper", missing=True)] == [
+        "static", "MOVE", "paper", "missing"]
 
 
 def test_an_efficiency_that_static_does_not_reach_is_hollow_and_points_on():
     table = pd.DataFrame([{"task": "push", "ratio": 1.5, "low": 1.2, "high": 1.8, "most": 2.0},
-                          {"task": "hammer", "ratio": np.inf, "low": 1.0, "high": np.inf, "most": 2.0}])
+                          {"task": "hammer", "ratio": np.inf, "low": 1.0, "high": np.inf, "most": 2.0},
+                          {"task": "assembly", "ratio": np.nan, "low": np.nan, "high": np.nan, "most": np.nan}])
     ax = draw(plots.efficiencies, table)
     known, unknown = (container[0] for container in ax.containers)
     assert (known.get_xdata()[0], known.get_markerfacecolor()) == (1.5, "black")
     assert (unknown.get_xdata()[0], unknown.get_markerfacecolor()) == (2.0, "white")
     assert [line.get_ydata()[0] for line in ax.get_lines() if line.get_marker() == ">"] == [1]
+    assert [(text.get_text(), text.xy[1]) for text in ax.texts] == [("missing", 2)]
 
 
-def test_a_ladder_has_a_bar_in_the_methods_colour_for_everything_that_moves():
-    table = rows().iloc[[0, 2]].assign(moves=["nothing", "object + target"])
-    ax = draw(lambda rows, ax: plots.ladder(rows, "moves", ax), table)
-    assert [(to_hex(bar.get_facecolor()), bar.get_height()) for bar in ax.patches] == [
-        (COLOUR["static"], VALUE["static"]), (COLOUR["move"], VALUE["move"])]
-    assert [label.get_text() for label in ax.get_xticklabels()] == ["nothing", "object\n+ target"]
+def test_a_ladder_tells_what_moves_alone_by_a_lighter_bar():
+    table = rows().iloc[[0, 2, 2]].assign(moves=["nothing", "object + target", "camera alone"])
+    ax = draw(plots.ladder, table, "moves")
+    assert [bar.get_alpha() for bar in ax.patches] == [0.85, 0.85, 0.45]
+    assert [label.get_text() for label in ax.get_xticklabels()] == ["nothing", "object\n+ target", "camera\nalone"]
 
 
 def test_the_readings_of_one_method_have_colours_that_no_method_has():
@@ -116,7 +185,7 @@ def test_the_readings_of_one_method_have_colours_that_no_method_has():
     assert all(container[0].get_ydata()[0] == VALUE["adc"] for container in ax.containers)
 
 
-def test_task_rates_stand_under_their_tasks_between_floor_and_ceiling():
+def test_task_rates_stand_under_their_tasks_between_floor_and_ceiling_with_the_papers_in_each_methods_colour():
     controls = pd.DataFrame({"expert": [1.0], "goal-blind": [0.3]}, index=["push"])
     ax = draw(plots.task_rates, rows(task="push"), controls)
     place = [label.get_text() for label in ax.get_xticklabels()].index("Push")
@@ -126,37 +195,44 @@ def test_task_rates_stand_under_their_tasks_between_floor_and_ceiling():
     levels = {lines.get_label(): lines.get_segments()[place][0][1] for lines in ax.collections
               if not lines.get_label().startswith("_")}
     assert levels == {"expert": 1.0, "goal-blind expert": 0.3}
+    theirs = {to_hex(line.get_color()): (line.get_ydata()[place], line.get_xdata()[place]) for line in ax.get_lines()
+              if line.get_marker() == "D" and len(line.get_xdata())}
+    assert {colour: height for colour, (height, _) in theirs.items()} == {
+        COLOUR[name]: VALUE[name] / 2 for name in METHODS}
+    ours = {to_hex(container[0].get_color()): container[0].get_xdata()[place] for container in ax.containers}
+    assert all(theirs[colour][1] > ours[colour] for colour in ours), "beside the point, not under it"
 
 
 def test_a_rate_at_its_own_grasps_is_hollow_one_elsewhere_filled_and_one_in_motion_a_triangle():
     table = pd.concat([rows(task="push", group=group).assign(value=lambda seen, part=part: seen.value * part)
                        for group, part in (("grasp", 1), ("random", 0.5), ("moving", 0.25))]).assign(low=0.0)
-    ax = draw(plots.own_and_elsewhere, table)
-    looks = {"at its own grasps": (1, "o", "#ffffff"), "elsewhere": (0.5, "o", None),
-             "elsewhere, in motion": (0.25, "^", None)}
-    for container in ax.containers:
-        mark = container[0]
-        name, where = container.get_label().split(", ", 1)
-        (method,) = (key for key in METHODS if NAME[key] == name)
-        part, shape, filling = looks[where]
-        assert to_hex(mark.get_color()) == COLOUR[method] and mark.get_marker() == shape
-        assert mark.get_ydata()[0] == pytest.approx(VALUE[method] * part)
-        assert to_hex(mark.get_markerfacecolor()) == (filling or COLOUR[method])
-    assert len(ax.containers) == 9
+    looks = {(marker, filling) for marker, filling in (("o", "#ffffff"), ("o", None), ("^", None))}
+    drawn = [container[0] for container in draw(plots.own_and_elsewhere, table).containers]
+    expected = {(COLOUR[name], marker, filling or COLOUR[name], round(VALUE[name] * part, 6))
+                for name in METHODS for (marker, filling), part in zip(
+                    (("o", "#ffffff"), ("o", None), ("^", None)), (1, 0.5, 0.25), strict=True)}
+    assert {(to_hex(mark.get_color()), mark.get_marker(), to_hex(mark.get_mfc()), round(mark.get_ydata()[0], 6))
+            for mark in drawn} == expected and len(drawn) == 9
+    entries = plots.own_and_elsewhere_entries(table)
+    assert [entry.get_label() for entry in entries[:3]] == [NAME[name] for name in METHODS]
+    assert {(entry.get_marker(), to_hex(entry.get_mfc()).replace("#444444", "") or None)
+            for entry in entries[3:]} == looks
 
 
-def test_changes_stand_at_their_rates_beside_their_names():
-    table = pd.DataFrame([{"change": name, "value": value, "low": value - 0.1, "high": value + 0.1,
-                           "train_minutes": 2.0} for name, value in (("chosen", 0.9), ("32 channels", 0.7))])
-    ax = draw(plots.changes, table)
-    assert [label.get_text() for label in ax.get_yticklabels()] == ["chosen, 2.0 min", "32 channels, 2.0 min"]
-    assert [(container[0].get_xdata()[0], container[0].get_ydata()[0]) for container in ax.containers] == [
+def test_changes_and_gains_stand_at_their_numbers_beside_their_names_and_minutes():
+    table = pd.DataFrame([{"change": name, "value": value, "low": value - 0.1, "high": value + 0.1, "gain": value - 0.9,
+                           "gain_low": value - 1, "gain_high": value - 0.8, "train_minutes": 2.0}
+                          for name, value in (("chosen", 0.9), ("32 channels", 0.7))])
+    success, gain = draw(plots.changes, table), draw(plots.gains, table)
+    assert [label.get_text() for label in success.get_yticklabels()] == ["chosen", "32 channels"]
+    assert [(container[0].get_xdata()[0], container[0].get_ydata()[0]) for container in success.containers] == [
         (0.9, 0), (0.7, 1)]
+    assert [container[0].get_xdata()[0] for container in gain.containers] == [0.0, pytest.approx(-0.2)]
+    assert [text.get_text() for text in gain.texts] == ["2.0 min", "2.0 min"]
 
 
-def test_costs_are_means_over_tasks_in_the_methods_colours_with_students_interval():
-    table = pd.DataFrame([{"task": task, "method": method, "expert": expert, "mean_steps": 100 * VALUE[method] + task}
-                          for method in METHODS for expert in ("phase", "metaworld") for task in (-1, 0, 1)])
+def test_costs_are_means_over_tasks_with_students_interval():
+    table = COSTS.assign(mean_steps=100 * COSTS.mean_steps)
     ax = draw(plots.costs, table, "mean_steps", {"static": 33.0})
     drawn = [(to_hex(bar.get_facecolor()), bar.get_height()) for bar in ax.patches]
     assert drawn == [(COLOUR[name], pytest.approx(100 * VALUE[name])) for name in METHODS for _ in range(2)]
@@ -165,19 +241,51 @@ def test_costs_are_means_over_tasks_in_the_methods_colours_with_students_interva
     assert [label.get_text() for label in ax.get_xticklabels()] == [NAME[name] for name in METHODS]
 
 
+def test_no_interval_of_a_share_leaves_0_and_1():
+    shares = pd.Series([0.27, 0.7, 1.0, 1.0, 1.0])
+    low, high = plots.share_interval(shares)
+    assert 0 < low < shares.mean() < high <= 1
+    table = pd.DataFrame([{"task": task, "method": "move", "expert": "phase", "rate": share}
+                          for task, share in enumerate(shares)])
+    ends = draw(lambda rows, ax: plots.costs(rows, "rate", {}, ax, share=True), table).containers[1][2][0]
+    assert ends.get_segments()[0][:, 1].tolist() == pytest.approx([low, high])
+
+
 @pytest.mark.parametrize("method", METHODS)
 def test_coverage_is_drawn_where_the_object_was(method):
     seen = pd.DataFrame({"method": method, "object_x": [0.1, 0.2], "object_y": [0.6, 0.7]})
-    ax = draw(plots.coverage, seen, "object", (0.0, 0.5, 0.0), (0.3, 0.8, 0.0))
+    ax = draw(maps.coverage, seen, "object", (0.0, 0.5, 0.0), (0.3, 0.8, 0.0))
     (dots,) = ax.get_lines()
     assert to_hex(dots.get_color()) == COLOUR[method] and dots.get_xdata() == pytest.approx([10, 20])
 
 
-def test_every_plot_of_methods_stands_in_this_file():
-    """What is left out draws no method: heat maps, dots, outlines, levels and frames."""
-    public = {name for name, plot in vars(plots).items()
-              if getattr(plot, "__module__", "") == plots.__name__ and not name.startswith("_")}
-    assert public == {"rates", "grouped_rates", "gaps", "scaling", "task_rates", "own_and_elsewhere", "changes",
-                      "costs", "coverage", "curve", "readings", "printed_points", "ladder"} | {
-                          "heatmap", "grasps", "circle", "level", "picture", "coverages",
-                          "efficiencies", "verdicts"}
+def grid(seeds: int = 5) -> pd.DataFrame:
+    """Cell k of a row of cells succeeds with k seeds; one grasp point that every seed grasps."""
+    cells = [{"group": "grid", "object_x": 0.1 * cell, "object_y": y, "seed": seed, "success": seed < cell}
+             for cell in range(seeds + 1) for y in (0.0, 0.1) for seed in range(seeds)]
+    points = [{"group": "point", "object_x": 0.05, "object_y": 0.0, "seed": seed, "success": True}
+              for seed in range(seeds)]
+    return pd.DataFrame(cells + points)
+
+
+def test_a_map_has_one_colour_a_number_of_seeds_and_a_ring_that_shows_on_it():
+    figure, ax = plt.subplots()
+    mesh = maps.heatmap(grid(), ax)
+    colours = [to_hex(mesh.cmap(mesh.norm(count / 5))) for count in range(6)]
+    assert len(set(colours)) == 6 == mesh.cmap.N
+    assert to_hex(mesh.cmap(mesh.norm(0.45))) in colours, "nothing between"
+    halo, ring = (dots for dots in ax.collections if dots is not mesh)
+    assert to_hex(halo.get_facecolor()[0]) == "#ffffff" and to_hex(ring.get_edgecolor()[0]) == "#000000"
+    assert halo.get_sizes()[0] > ring.get_sizes()[0] and not ring.get_clip_on()
+    assert to_hex(mesh.cmap(mesh.norm(ring.get_array()[0]))) == colours[5]
+    maps.seeds_bar(mesh, [ax], 5)
+    assert [tick.get_text() for tick in figure.axes[1].get_yticklabels()] == list("012345")
+
+
+def test_frames_stand_apart_with_their_labels():
+    frames = np.zeros((3, 60, 60, 3), np.uint8)
+    ax = draw(maps.strip, frames, ["0", "10", "20"])
+    row = ax.get_images()[0].get_array()
+    white = (np.asarray(row)[0, :, 0] == 255)
+    assert row.shape == (60, 3 * 60 + 2 * 2, 3) and white.sum() == 4 and not white[:60].any()
+    assert [text.get_text() for text in ax.texts] == ["0", "10", "20"]

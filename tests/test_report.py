@@ -8,18 +8,19 @@ import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 import pandas as pd  # noqa: E402
 import pytest  # noqa: E402
+import recipes  # noqa: E402
 
 from move import (
     paths,  # noqa: E402
 )
-from move.report import differences, page, plots, style, tables  # noqa: E402
+from move.report import captions, differences, maps, page, plots, printed, style, tables  # noqa: E402
 from move.sim.collect import Collection  # noqa: E402
 from move.sim.configuration import Disc  # noqa: E402
 from move.sim.tasks import TASKS  # noqa: E402
 from move.study import experiments, results, statistics  # noqa: E402
 from move.study.labels import LabelledRun  # noqa: E402
 from move.study.profiles import load_profile  # noqa: E402
-from move.study.spec import CollectionRun  # noqa: E402
+from move.study.spec import CollectionRun, PolicyRun  # noqa: E402
 
 
 def episodes(rates: dict[str, float], seeds: int = 3, trials: int = 16) -> pd.DataFrame:
@@ -83,7 +84,7 @@ def test_the_heatmap_shows_each_cell_where_its_object_was():
     data = episodes({"static": 0.5}, seeds=1)
     data["success"] = (data.object_x > 0.25) & (data.object_y < 0.05)  # one cell only
     _, ax = plt.subplots()
-    values = plots.heatmap(data, ax).get_array().reshape(4, 4)
+    values = maps.heatmap(data, ax).get_array().reshape(4, 4)
     assert values[0, 3] == 1 and values.sum() == 1
 
 
@@ -177,7 +178,7 @@ def test_the_recipes_table_compares_each_change_with_the_chosen_one():
     assert tables.recipe_table(runs[1:]).gain.isna().all()
     _, ax = plt.subplots()
     plots.changes(table.reset_index(), ax)
-    assert [label.get_text().split(",")[0] for label in ax.get_yticklabels()] == list(table.index)
+    assert [label.get_text() for label in ax.get_yticklabels()] == list(table.index)
 
 
 def three_methods(task: str, move: float) -> pd.DataFrame:
@@ -260,7 +261,7 @@ def test_cells_are_inside_the_circle_by_their_centre():
 
 def test_plots_draw_one_mark_a_row_and_survive_a_missing_method():
     rates = pd.DataFrame([
-        {"where": where, "method": method, "value": 0.5, "low": 0.4, "high": 0.6, "paper": 0.3}
+        {"where": where, "method": method, "value": 0.5, "low": 0.4, "high": 0.6, "paper": 0.3, "seeds": [0.5]}
         for where, method in (("inside", "static"), ("inside", "move"), ("outside", "move"))])
     _, ax = plt.subplots()
     plots.grouped_rates(rates, "where", ["inside", "outside"], ax)
@@ -270,7 +271,7 @@ def test_plots_draw_one_mark_a_row_and_survive_a_missing_method():
     assert len(ax.containers) == 2
     _, ax = plt.subplots()
     plots.gaps(differences.gap_table(three_methods("push", 0.9), "task").assign(paper=0.2), "task", ["push"], ax)
-    assert [line.get_xdata().tolist() for line in ax.lines if line.get_marker() == "x"] == [[0.2], [0.2]]
+    assert [line.get_xdata().tolist() for line in ax.lines if line.get_marker() == "D"] == [[0.2], [0.2]]
     _, ax = plt.subplots()
     plots.gaps(differences.gap_table(three_methods("a", 0.9).query("method == 'adc'"), "task"), "task", [], ax)
     assert not ax.containers
@@ -285,4 +286,87 @@ def test_a_figure_drawn_from_what_is_stored_runs_nothing(tmp_path, monkeypatch):
     monkeypatch.setattr(page, "execute", lambda *arguments: pytest.fail("something was run"))
     gathered = page.gather([LabelledRun(stored.spec), LabelledRun(other)], load_profile("smoke"))
     assert len(gathered.results) == 1 and gathered.missing == [(other, "not computed yet")]
-    assert "1 RUNS MISSING" in gathered.source
+    assert "1 more run missing" in gathered.source and gathered.remark == "1 of 2 runs are missing"
+    assert "1 of 2 runs are missing" in gathered.behind
+
+
+def test_a_picture_from_keypoints_says_so_and_so_does_its_caption():
+    spec = PolicyRun(task="push", seed=0, training=recipes.keypoints(),
+                   collection=Collection(task="push", method="move", timesteps=2500))
+    both = [results.Result(spec.model_copy(update={"seed": seed}), [{"success": True}] * 4, None, None,
+                           {"train": 60.0 + seed}, {}) for seed in range(2)]
+    gathered = page.Gathered(load_profile("laptop"), both, pd.DataFrame(), [])
+    assert gathered.remark == "from keypoints: perception is given"
+    assert gathered.source.startswith("From keypoints (perception is given). 2,500 timesteps a data set. 2 seeds a")
+    assert "4 evaluation episodes a seed, 8 in all. 2 runs, 2 minutes in all" in gathered.source
+    assert "smaller networks" in gathered.source and "no run is missing" in gathered.behind
+    untrained = captions.numbers([collector("static", [(True, 10)] * 3)], 0, "smaller networks")
+    assert "smaller networks" not in untrained and "1 runs, 3 attempts each" in untrained
+
+
+# tables for people ---------------------------------------------------------------------------------------------------
+
+
+def test_a_readable_table_is_in_per_cent_and_points_with_human_names_and_no_nan():
+    table = pd.DataFrame([
+        {"task": "disassemble", "method": "move", "value": 0.5, "low": 0.4, "high": 0.61234, "seeds": [0.5, 1 / 3],
+         "episodes": 1000, "paper": np.nan},
+        {"task": "pick-place", "method": "adc", "value": 1.0, "low": 0.9, "high": 1.0, "seeds": [1.0],
+         "episodes": 100, "paper": 0.447}])
+    shown = tables.readable(table)
+    assert list(shown) == ["Task", "Method", "Success (%)", "Each seed (%)", "Episodes", "Paper (%)"]
+    assert shown.values.tolist() == [["Disassembly", "MOVE", "50.0 [40.0, 61.2]", "50.0, 33.3", "1,000", "—"],
+                                     ["Pick-Place", "ADC", "100.0 [90.0, 100.0]", "100.0", "100", "44.7"]]
+    gaps = pd.DataFrame([{"than": "static", "gap": -0.012, "low": -0.1, "high": 0.08, "p": 0.0001, "paper": 0.08}])
+    assert tables.readable(gaps).values.tolist() == [["static", "−1.2 [−10.0, +8.0]", "<0.001", "+8.0"]]
+    assert tables.readable(gaps.iloc[:0]).values.tolist() == [["not computed yet"]]
+    assert "Pick-Place" in tables.shown(table).to_html() and "NaN" not in tables.shown(table).to_html()
+
+
+@pytest.mark.parametrize("path", sorted(paths.figures(load_profile("laptop")).glob("*.csv")),
+                         ids=lambda path: path.stem)
+def test_every_shipped_table_can_be_shown(path):
+    """No heading is a variable's name, no cell is NaN or a list; the CSV itself stays tidy."""
+    table = pd.read_csv(path)
+    text = tables.readable(table.assign(seeds=[[float(one) for one in str(cell).split()] for cell in table.seeds])
+                           if {"value", "seeds"} <= set(table) else table)
+    assert not [heading for heading in text if "_" in heading]
+    assert not [cell for cell in text.to_numpy().ravel() if cell in ("nan", "NaN") or cell.startswith("[")]
+    assert not any("[" in str(cell) for name in table if name != "evidence" for cell in table[name])
+
+
+def test_a_table_is_written_tidy_and_printed_with_caption_and_label(tmp_path):
+    table = pd.DataFrame([{"method": "move", "value": 0.5, "low": 0.4, "high": 0.6, "seeds": [0.5, 0.4]}])
+    printed.save(table, "fig1_sparse", tmp_path, source="seven & three %")
+    assert pd.read_csv(tmp_path / "fig1_sparse.csv").seeds.tolist() == ["0.5 0.4"]
+    text = (tmp_path / "fig1_sparse.tex").read_text()
+    assert r"\caption{Figure 1" in text and r"Seven \& three \%.}" in text and r"\label{tab:fig1_sparse}" in text
+    assert r"MOVE & 50.0 [40.0, 60.0] & 50.0, 40.0" in text
+    long = printed.latex(tables.readable(pd.concat([table] * 60)), "fig1_sparse")
+    assert "longtable" in long and r"\begin{table" not in long
+
+
+def test_the_printed_table_2_has_the_papers_columns_and_the_mean_row():
+    rates = pd.DataFrame([{"task": task, "method": method, "value": 0.2, "low": 0.1, "high": 0.3, "paper": 0.4}
+                          for task in ("push", "hammer") for method in ("static", "move")])
+    means = pd.DataFrame({"method": ["static", "move"], "value": [0.2, 0.2], "paper": [0.222, 0.391]})
+    wide = tables.beside(rates, pd.DataFrame({"expert": [1.0]}, index=["push"]), means)
+    assert wide["Task", ""].tolist() == ["Push", "Hammer", "mean of 2"]
+    assert wide["MOVE", "paper"].tolist() == ["40.0", "40.0", "39.1"]
+    assert wide["expert", ""].tolist() == ["100.0", "—", "—"]
+    assert wide["static", "here"].tolist() == ["20.0 [10.0, 30.0]"] * 2 + ["20.0"]
+
+
+def test_what_is_missing_stands_in_its_place():
+    profile = load_profile("laptop")
+    runs = experiments.runs("fig_mixture", profile)
+    there = pd.DataFrame([{"share": 1, "method": "move", "value": 0.8, "low": 0.7, "high": 0.9, "seeds": [0.8]}])
+    table = tables.with_missing(there, runs, ["share", "method"])
+    assert table.share.tolist() == sorted({run.labels["share"] for run in runs})
+    assert table.value.notna().tolist() == [False] * (len(table) - 1) + [True]
+    assert table.seeds.tolist() == [[]] * (len(table) - 1) + [[0.8]]
+
+
+def test_comparisons_are_counted_after_holm():
+    table = pd.DataFrame({"gap": [0.2, -0.2, 0.1], "holm": [0.01, 0.01, 0.5]})
+    assert differences.spoken_counts(table) == "1 of 3 are above 0, 1 below, 1 not distinguishable from it"

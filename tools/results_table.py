@@ -1,30 +1,18 @@
 """Writes README's table of results, between its markers, from the figures' own tables: `python tools/results_table.py`.
 
-The verdict of a row is a rule on two numbers and an interval (`verdict`); nobody words it.
+The verdict of a row is a rule on two numbers and an interval (`move.report.differences.verdict`); nobody words it.
 """
 
 from __future__ import annotations
 
-import ast
-
 import pandas as pd
 
 from move import paper, paths
+from move.report.differences import verdict
 from move.study.profiles import load_profile
 
 START, END = "<!-- results: written by tools/results_table.py -->", "<!-- end of results -->"
 README = paths.ROOT / "README.md"
-
-
-def verdict(gap: float, low: float, high: float, published: float) -> str:
-    """What a difference with its 95 % interval says about the paper's: its direction first, then its size."""
-    if low <= 0 <= high:
-        return "no difference shown, nor the paper's excluded" if low <= published <= high else "not found here"
-    if (gap > 0) != (published > 0):
-        return "opposite direction"
-    if low <= published <= high:
-        return "direction and size as in the paper"
-    return f"direction as in the paper, size {'smaller' if abs(gap) < abs(published) else 'larger'}"
 
 
 def rows() -> list[str]:
@@ -54,6 +42,11 @@ def _read(name: str) -> pd.DataFrame:
     return pd.read_csv(paths.figures(load_profile("laptop")) / f"{name}.csv")
 
 
+def _seeds(rates: object) -> int:
+    """How many single seeds' rates a cell of the column `seeds` holds."""
+    return len(str(rates).split())
+
+
 def _line(what: str, ours: tuple[float, float], gap: tuple[float, float, float], seeds: int,
           published: tuple[float, float], names: str) -> str:
     points = "{:+.0f} [{:+.0f}, {:+.0f}]".format(*(100 * value for value in gap))
@@ -69,7 +62,7 @@ def _gap(what: str, rates: str, gaps: str, where: str = "") -> str:
     ours, gap = ours.set_index("method"), gap[gap.than == "static"].iloc[0]
     printed = paper.published(rates, condition=where).set_index("method").value
     return _line(what, (ours.value["static"], ours.value["move"]), (gap.gap, gap.low, gap.high),
-                 len(ast.literal_eval(ours.seeds["move"])), (printed["static"], printed["move"]), "static, MOVE")
+                 _seeds(ours.seeds["move"]), (printed["static"], printed["move"]), "static, MOVE")
 
 
 def _factors() -> str:
@@ -78,15 +71,15 @@ def _factors() -> str:
     one, every = ours.loc["object"], ours.loc["all"]
     printed = paper.published("table1_spatial_factors").set_index("condition").value
     gap = every.value - one.value, every.low - one.high, every.high - one.low
-    return _line("Table 1", (one.value, every.value), gap, len(ast.literal_eval(every.seeds)),
+    return _line("Table 1", (one.value, every.value), gap, _seeds(every.seeds),
                  (printed["object"], printed["all"]), "static, the object random and everything random")
 
 
 def _tasks(other: str) -> str:
-    rates, gap = _read("table2_main_rates"), _read("table2_main_gaps_mean").set_index("than").loc[other]
+    rates, gap = _read("table2_main"), _read("table2_main_gaps_mean").set_index("than").loc[other]
     ours, name = rates.groupby("method").value.mean(), "ADC" if other == "adc" else other
     printed = paper.published("table2_main", "mean_success").set_index("method").value
-    seeds = rates.seeds.map(ast.literal_eval).map(len).max()
+    seeds = rates.seeds.map(_seeds).max()
     what = f"Table 2, mean of {gap['items']:.0f} tasks"
     return _line(what, (ours[other], ours["move"]), (gap.gap, gap.low, gap.high), seeds,
                  (printed[other], printed["move"]), f"{name}, MOVE")

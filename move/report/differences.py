@@ -118,7 +118,31 @@ def spoken_gap(row: pd.Series) -> str:
     """A row of `gap_table` in words: "+12 points [+3, +21], above 0"; the word holds after Holm's adjustment."""
     clear = row.holm < LEVEL
     verdict = "not distinguishable from 0" if not clear else "above 0" if row.gap > 0 else "below 0"
-    return f"{100 * row.gap:+.0f} points [{100 * row.low:+.0f}, {100 * row.high:+.0f}], {verdict}"
+    return f"{_points(row.gap)} points [{_points(row.low)}, {_points(row.high)}], {verdict}"
+
+
+def _points(difference: float) -> str:
+    """A difference of rates in whole points with its sign; never "-0"."""
+    return f"{round(100 * difference):+d}"
+
+
+def verdict(gap: float, low: float, high: float, published: float) -> str:
+    """What a difference with its 95 % interval says about the paper's: its direction first, then its size."""
+    if low <= 0 <= high:
+        return "no difference shown, nor the paper's excluded" if low <= published <= high else "not found here"
+    if (gap > 0) != (published > 0):
+        return "opposite direction"
+    if low <= published <= high:
+        return "direction and size as in the paper"
+    return f"direction as in the paper, size {'smaller' if abs(gap) < abs(published) else 'larger'}"
+
+
+def spoken_counts(table: pd.DataFrame) -> str:
+    """Of comparisons with a column holm, how many are above 0 and how many below, in words."""
+    clear = table[table.holm < LEVEL]
+    above = int((clear.gap > 0).sum())
+    return (f"{above} of {len(table)} are above 0, {len(clear) - above} below, {len(table) - len(clear)} not "
+            "distinguishable from it")
 
 
 def spoken_gaps(table: pd.DataFrame, means: pd.DataFrame) -> str:
@@ -139,8 +163,8 @@ def spoken_tasks(table: pd.DataFrame) -> str:
     """A `tasks_table` in words: mean, interquartile mean, probability of improvement, and the test over tasks."""
     return " ".join(
         f"Over {row.tasks} tasks, taken as a sample of tasks, MOVE minus {NAMES[row.than]} is "
-        f"{100 * row.mean_difference:+.0f} points [{100 * row.low:+.0f}, {100 * row.high:+.0f}], of the interquartile "
-        f"means {100 * (row.iqm_first - row.iqm_second):+.0f} [{100 * row.iqm_low:+.0f}, {100 * row.iqm_high:+.0f}]; "
+        f"{_points(row.mean_difference)} points [{_points(row.low)}, {_points(row.high)}], of the interquartile "
+        f"means {_points(row.iqm_first - row.iqm_second)} [{_points(row.iqm_low)}, {_points(row.iqm_high)}]; "
         f"MOVE is better on a task drawn at random with probability {row.improvement:.2f} [{row.improvement_low:.2f}, "
         f"{row.improvement_high:.2f}]; flipping the tasks' signs gives p = {row.p_value:.3f}."
         for row in table.itertuples()) or "Fewer than three tasks are stored."

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
+from matplotlib import get_data_path
+from PIL import Image, ImageDraw, ImageFont
 
 from move.learn.agents import PolicyAgent
 from move.learn.diffusion import DiffusionPolicy
@@ -16,7 +19,16 @@ from move.sim.tasks import get_task
 from move.study.spec import PolicyRun
 from move.video import write_video
 
-FRAMES_PER_SECOND = 25  # two timesteps of three are shown at real speed
+FRAMES_PER_SECOND = 25  # of the scene's 80 timesteps a second, so that a film is about three times slower than real
+LETTERS, BAND = 14, 40  # pixels: height of a film's letters, and of the band that they stand in
+SEEN = {
+    "pick-place": "red: object, blue: target", "push": "red: object, green: target",
+    "assembly": "green handle: object, red peg: target", "box-close": "lid: object, box: target",
+    "hammer": "red handle: object, grey nail: target", "pick-place-wall": "red: object, blue: target",
+    "window-open": "white handle: object", "faucet-open": "red handle: object",
+    "disassemble": "green handle: object, on a red peg", "basketball": "ball: object, ring: target",
+}
+"""What is what in the pictures of a task."""
 
 
 def demonstration_frames(collection: Collection, seed: int) -> np.ndarray:
@@ -72,13 +84,50 @@ def only(part: str) -> Motions:
     return Motions(**{**still, **moving[part]})
 
 
-def strip(frames: np.ndarray, count: int) -> np.ndarray:
-    """`count` evenly spaced frames side by side, shape (size, count * size, 3), uint8."""
-    chosen = np.linspace(0, len(frames) - 1, count).round().astype(int)
-    return np.concatenate(frames[chosen], axis=1)
+def pace(part: str) -> str:
+    """How fast `only(part)` moves, in words: against the data sets."""
+    field = {"translation": "object_speed", "rotation": "yaw_speed", "camera": "camera_speed"}[part]
+    times = getattr(only(part), field) / getattr(Motions(), field)
+    return f"{times:.2g} times as fast as in the data" if times != 1 else "as fast as in the data"
+
+
+def strip(frames: np.ndarray, count: int) -> tuple[np.ndarray, list[int]]:
+    """`count` evenly spaced frames, shape (count, size, size, 3), and the timesteps that they show."""
+    steps = np.linspace(0, len(frames) - 1, count).round().astype(int)
+    return frames[steps], steps.tolist()
+
+
+def titled(frames: np.ndarray, title: str, task: str, outcome: str = "") -> np.ndarray:
+    """Frames over a band that says whose they are, the timestep, the outcome, and what is what in the picture.
+
+    Args:
+        frames: (timesteps, size, size, 3) uint8.
+
+    Returns:
+        (timesteps, size + band, size, 3) uint8.
+    """
+    font = ImageFont.truetype(str(Path(get_data_path(), "fonts", "ttf", "DejaVuSans.ttf")), LETTERS)
+    steps, height, width, _ = frames.shape
+    whole = np.full((steps, height + BAND, width, 3), 255, np.uint8)
+    whole[:, BAND:] = frames
+    for step in range(steps):
+        band = Image.new("RGB", (width, BAND), "white")
+        draw = ImageDraw.Draw(band)
+        draw.text((4, 2), f"{title}, step {step}" + (f": {outcome}" if outcome else ""), "black", font)
+        draw.text((4, 2 + BAND // 2), SEEN.get(task, ""), "#444444", font)
+        whole[step, :BAND] = band
+    return whole
+
+
+def side_by_side(films: Sequence[np.ndarray]) -> np.ndarray:
+    """Films of one height beside each other; one that is over keeps its last frame until the longest is."""
+    longest = max(len(frames) for frames in films)
+    gap = np.full((longest, films[0].shape[1], 8, 3), 255, np.uint8)
+    held = [np.concatenate([frames, np.repeat(frames[-1:], longest - len(frames), axis=0)]) for frames in films]
+    return np.concatenate([part for frames in held for part in (gap, frames)][1:], axis=2)
 
 
 def write_film(frames: np.ndarray, path: Path) -> Path:
     """Write frames (timesteps, height, width, 3) uint8 as a small MP4 (H.264)."""
-    write_video(path, frames, frames.shape[1:3], FRAMES_PER_SECOND, "yuv420p", {})
+    write_video(path, frames, frames.shape[1:3], FRAMES_PER_SECOND, "yuv420p", {"crf": "26"})
     return path

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from move import paths
 from move.errors import BadInput
-from move.report import style
+from move.report import captions, printed, style
 from move.study.cells import training_noise
 from move.study.execute import execute
 from move.study.experiments import table2_main, table_keypoint_control
@@ -32,20 +32,24 @@ class Gathered:
 
     @property
     def source(self) -> str:
-        """One line on observation, budget, seeds, missing runs and the profile's purpose."""
+        """Observation, budgets, seeds, episodes, runs, what is missing and the profile's purpose, in sentences."""
+        said = captions.numbers(self.results, len(self.missing), self.profile.purpose)
+        return f"{said} Missing: {missing_in_words(self.missing)}." if self.missing else said
+
+    @property
+    def behind(self) -> str:
+        """How much stands behind an answer: seeds, episodes, and what is missing."""
+        return captions.behind(self.results, len(self.missing))
+
+    @property
+    def remark(self) -> str:
+        """What a reader of the picture alone must not miss: that perception was given, and how much is missing."""
         trained = [result.spec for result in self.results if result.spec.training]
-        seen = sorted({f"{spec.observation} {spec.collection.image_size} px" if spec.observation == "rgb"
-                       else spec.observation for spec in trained})
-        budgets = sorted({spec.collection.timesteps for spec in trained})
-        seeds = len({result.spec.seed for result in self.results})
-        seconds = {(part, result.spec.policy_hash if part == "train" else result.spec.hash): spent
-                   for result in self.results for part, spent in result.seconds.items()}  # runs may share a training
-        minutes = sum(seconds.values()) / 60
-        parts = [", ".join(seen), ", ".join(f"{budget:,}" for budget in budgets) + " timesteps"] if trained else []
-        parts += [f"{seeds} seed{'s' * (seeds != 1)}",
-                  f"{len(self.results)} runs, {minutes:.0f} minutes in all, one core each"]
-        parts += [f"{len(self.missing)} RUNS MISSING: {missing_in_words(self.missing)}"] if self.missing else []
-        return "; ".join(parts) + f". {self.profile.purpose}"
+        wanted = len(self.results) + len(self.missing)
+        given = bool(trained) and all(spec.observation == "keypoints" for spec in trained)
+        parts = ["from keypoints: perception is given"] * given
+        parts += [f"{len(self.missing)} of {wanted} runs are missing"] * bool(self.missing)
+        return "; ".join(parts)
 
 
 def gather(runs: list[LabelledRun], profile: Profile) -> Gathered:
@@ -79,30 +83,40 @@ def known_noise(profile: Profile, observation: str) -> TrainingNoise:
     return training_noise(episodes, ["task", "method", "timesteps"]) if len(episodes) else UNKNOWN
 
 
-def publish(name: str, figure: Figure | None, tables: dict[str, pd.DataFrame], gathered: Gathered) -> None:
-    """Write the figure (PDF, PNG) and the tables (CSV, LaTeX) of a notebook."""
-    publish_alone(name, figure, tables, gathered.profile, gathered.source)
-
-
-def publish_alone(
-    name: str, figure: Figure | None, tables: dict[str, pd.DataFrame], profile: Profile, source: str = ""
-) -> None:
-    """`publish` for a notebook that needs no runs; `source` is the small print under the figure."""
-    write(name, figure, tables, profile, source)
-
-
-def write(name: str, figure: Figure | None, tables: dict[str, pd.DataFrame], profile: Profile, source: str) -> None:
-    """Write one figure and its tables into the profile's folder; for notebooks with several of them.
+def publish(name: str, figure: Figure | None, tables: dict[str, pd.DataFrame], gathered: Gathered, found: str = "",
+            layouts: dict[str, pd.DataFrame] | None = None) -> None:
+    """Write the figure (PDF, PNG, caption) and the tables (CSV, LaTeX) of a notebook.
 
     Args:
         tables: suffix of the file's name ("" for none) -> table.
-        source: where the numbers come from, one line under the figure.
+        found: what came out, in words; part of the caption.
+        layouts: suffix -> how that table is printed in LaTeX, where it is not as `tables.readable` says.
+    """
+    write(name, figure, tables, gathered.profile, gathered.source, found, gathered.remark, layouts)
+
+
+def publish_alone(name: str, figure: Figure | None, tables: dict[str, pd.DataFrame], profile: Profile,
+                  source: str = "", found: str = "", layouts: dict[str, pd.DataFrame] | None = None) -> None:
+    """`publish` for a notebook that needs no runs; `source` says where the numbers come from."""
+    write(name, figure, tables, profile, source, found, layouts=layouts)
+
+
+def write(name: str, figure: Figure | None, tables: dict[str, pd.DataFrame], profile: Profile, source: str,
+          found: str = "", remark: str = "", layouts: dict[str, pd.DataFrame] | None = None) -> None:
+    """Write one figure and its tables into the profile's folder; for notebooks with several of them.
+
+    Args:
+        source: where the numbers come from; part of the captions.
+        remark: one line in the picture itself.
+        found, layouts: as for `publish`.
     """
     folder = paths.figures(profile)
     if figure is not None:
-        style.footnote(figure, source)
+        if remark:
+            style.remark(figure, remark)
         if profile.stamp:
             style.stamp(figure, profile.stamp, "red", 80)
-        style.save(figure, name, folder)
+        style.save(figure, name, folder, captions.caption(name, source, found))
     for suffix, content in tables.items():
-        style.save_table(content, name if suffix == "" else f"{name}_{suffix}", folder)
+        table = name if suffix == "" else f"{name}_{suffix}"
+        printed.save(content, table, folder, (layouts or {}).get(suffix), source)

@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from move.report import real_plots, style
+from move.report import maps, real_plots, style
 from move.report.style import COLOURS, NAMES, PAGE_WIDTH
 
 SIMULATED_TEXT = "simulated data in the real layout"
@@ -29,9 +29,10 @@ def cells_figure(table: pd.DataFrame) -> Figure:
     Returns:
         A figure of two-column width.
     """
-    figure, axes = plt.subplots(1, 2, figsize=(PAGE_WIDTH, 2.8))
+    figure, axes = plt.subplots(1, 2, figsize=(PAGE_WIDTH, 2.7))
     real_plots.success_cells(table, axes[0])
     real_plots.score_cells(table, axes[1])
+    style.titles(axes, ["success, successes of trials", "score"])
     return figure
 
 
@@ -50,8 +51,10 @@ def object_figure(places: pd.DataFrame, speeds: pd.DataFrame, *, simulated: bool
                                 width_ratios=[1.5] * len(methods) + [1])
     for method, ax in zip(methods, axes[0], strict=False):
         real_plots.object_map(places[places["method"] == method], ax, colour=COLOURS[method])
-        ax.set_title(f"{NAMES[method]}: orange in the image", color=COLOURS[method])
     real_plots.speed_dots(speeds, axes[0, -1])
+    counts = [len(places[places["method"] == method].groupby(["part", "index"])) for method in methods]
+    style.titles(list(axes[0]), [*(f"{NAMES[method]}: the orange (n = {count})"
+                                   for method, count in zip(methods, counts, strict=True)), "its speed"])
     if simulated:
         style.stamp(figure, SIMULATED_TEXT)
     return figure
@@ -83,24 +86,28 @@ def setup_figure(cells: pd.DataFrame, steps: pd.DataFrame, strips: Mapping[str, 
     shown = [method for method in COLOURS if method in strips]
     shapes = [strips[method][0].shape for method in shown]
     heights = [0.95 * PAGE_WIDTH * h / (k * w) + 0.28 for k, h, w, _ in shapes]
-    map_in = 0.5 * PAGE_WIDTH * 0.5 + 0.45
+    map_in = 0.5 * PAGE_WIDTH * 0.5 + 0.35
     if not methods and not shown:
         return _nothing("no positions and no cameras were recorded", simulated=simulated)
     figure = plt.figure(figsize=(PAGE_WIDTH, map_in * len(methods) + sum(heights)))
     grid = figure.add_gridspec(len(methods) + len(shown), 2, height_ratios=[map_in] * len(methods) + heights)
+    axes, texts = [], []
     for row, method in enumerate(methods):
-        mine = cells[cells["method"] == method]
+        mine, way = cells[cells["method"] == method], steps[steps["method"] == method]
         left, right = figure.add_subplot(grid[row, 0]), figure.add_subplot(grid[row, 1])
-        real_plots.paths(steps[steps["method"] == method], left, colour=COLOURS[method])
-        real_plots.coverage_map(mine, right, cell_m=cell_m, colour=COLOURS[method])
-        grasped = steps[steps["method"] == method].groupby(["part", "index"])["grasped"].any()
-        left.set_title(f"{NAMES[method]}: {len(grasped)} demonstrations, {grasped.sum()} grasps", color=COLOURS[method])
-        right.set_title(f"{NAMES[method]}: {100 * (mine['visits'] > 0).mean():.0f} % of the table's cells visited",
-                        color=COLOURS[method])
+        real_plots.paths(way, left, colour=COLOURS[method])
+        shades = real_plots.coverage_map(mine, right, cell_m=cell_m, colour=COLOURS[method])
+        figure.colorbar(shades, ax=right, fraction=0.03, label="timesteps in a cell")
+        grasped = way.groupby(["part", "index"])["grasped"].any()
+        axes += [left, right]
+        texts += [f"{NAMES[method]}: {len(grasped)} demonstrations, {grasped.sum()} grasps",
+                  f"{NAMES[method]}: {100 * (mine['visits'] > 0).mean():.0f} % of cells visited by the hand"]
     for number, method in enumerate(shown):
-        ax = figure.add_subplot(grid[len(methods) + number, :])
+        axes.append(figure.add_subplot(grid[len(methods) + number, :]))
         frames, times = strips[method]
-        real_plots.frames_strip(frames, ax, titles=[f"{NAMES[method]} {time}" for time in times])
+        maps.strip(frames, times, axes[-1])
+        texts.append(f"{NAMES[method]}: frames of one demonstration")
+    style.titles(axes, texts)
     if simulated:
         style.stamp(figure, SIMULATED_TEXT)
     return figure

@@ -4,23 +4,24 @@ success_cells   success of the four cells with exact intervals, beside each othe
 score_cells     normalised scores, with the range that the successes alone leave open
 coverage_map    which cells of the half disc were visited
 paths           trajectories of the end effector over the half disc
-frames_strip    frames of one episode in a row
 speed_dots      speed of the moved object, one dot an episode
 object_map      where the object was seen in the image before its grasp
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
-import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
-from matplotlib.patches import Patch, Wedge
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import LinearSegmentedColormap, PowerNorm
+from matplotlib.patches import Patch, Rectangle, Wedge
+from matplotlib.ticker import FuncFormatter
 
 from move.paper import REAL_RADIUS_M
 from move.report.style import COLOURS, NAMES
+
+GOLDEN = 0.6180339887498949  # multiples of it spread evenly between 0 and 1
 
 
 def success_cells(table: pd.DataFrame, ax: Axes) -> None:
@@ -30,11 +31,11 @@ def success_cells(table: pd.DataFrame, ax: Axes) -> None:
         table: columns timesteps, method, successes, trials, rate, low, high (`trials.real_table`).
     """
     for place, row in enumerate(table.itertuples()):
-        ax.bar(place, row.rate, width=0.65, color=COLOURS[row.method], zorder=2)
+        ax.bar(place, row.rate, width=0.65, color=COLOURS[row.method], alpha=0.85, zorder=2)
         ax.errorbar(place, row.rate, yerr=[[row.rate - row.low], [row.high - row.rate]], color="black", capsize=3,
                     linewidth=1, zorder=3)
         ax.text(place, row.high + 0.015, f"{row.successes}/{row.trials}", ha="center", va="bottom")
-    _cells_axis(ax, table, "success rate")
+    _cells_axis(ax, table, "success (%)")
 
 
 def score_cells(table: pd.DataFrame, ax: Axes) -> None:
@@ -46,41 +47,51 @@ def score_cells(table: pd.DataFrame, ax: Axes) -> None:
     for place, row in enumerate(table.itertuples()):
         ax.bar(place, row.score_high - row.score_low, bottom=row.score_low, width=0.65, color="0.90", edgecolor="0.75",
                linewidth=0.8, zorder=1)
-        ax.plot(place, row.normalised, marker="D", markersize=7, color=COLOURS[row.method], zorder=3)
-        ax.text(place + 0.14, row.normalised, f"{row.normalised:.3f}", va="center", zorder=4)
-    _cells_axis(ax, table, "normalised score")
+        ax.plot(place, row.normalised, marker="D", markersize=6, color=COLOURS[row.method], zorder=3)
+        ax.annotate(f"{100 * row.normalised:.1f}", (place, row.normalised), xytext=(0, 6), textcoords="offset points",
+                    ha="center", va="bottom", zorder=4)
+    _cells_axis(ax, table, "score (% of three points a trial)")
     ax.legend(handles=[Patch(facecolor="0.90", edgecolor="0.75", label="range the successes alone allow")],
               loc="upper left")
 
 
 def _cells_axis(ax: Axes, table: pd.DataFrame, title: str) -> None:
-    ax.set_xticks(range(len(table)), [f"{NAMES[row.method]}\n{row.timesteps // 1000}k" for row in table.itertuples()])
-    ax.set(ylim=(0, 1), ylabel=title, xlim=(-0.6, len(table) - 0.3))
-    ax.grid(axis="y", color="0.9", zorder=0)
+    ax.set_xticks(range(len(table)), [f"{NAMES[row.method]}\n{row.timesteps:,}" for row in table.itertuples()])
+    ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{100 * value:.0f}"))
+    ax.set(ylim=(0, 1), ylabel=title, xlim=(-0.6, len(table) - 0.4), xlabel="method and timesteps of demonstrations")
 
 
-def half_disc(ax: Axes, *, radius_m: float = REAL_RADIUS_M) -> None:
-    """Prepare an Axes as a view from above: the arm's base at the lower middle, x up, y to the left."""
-    ax.add_patch(Wedge((0, 0), radius_m, 0, 180, facecolor="none", edgecolor="0.4", linewidth=1, zorder=3))
+def half_disc(ax: Axes, *, radius_m: float = REAL_RADIUS_M) -> Wedge:
+    """Prepare an Axes as a view from above: the arm's base at the lower middle, x up, y to the left; its outline."""
+    outline = Wedge((0, 0), radius_m, 0, 180, facecolor="none", edgecolor="0.4", linewidth=1, zorder=3)
+    ax.add_patch(outline)
     ax.plot(0, 0, marker="s", color="black", markersize=5, zorder=4, clip_on=False)
+    ax.annotate("base", (0, 0), xytext=(5, 3), textcoords="offset points")
     ax.set(xlim=(radius_m * 1.03, -radius_m * 1.03), ylim=(-0.02, radius_m * 1.03), aspect="equal")
-    ax.set(xlabel="y (m)", ylabel="x (m)", xticks=[0.5, 0.25, 0, -0.25, -0.5], yticks=[0, 0.25, 0.5])
+    ax.set(xlabel="y (m), to the arm's left", ylabel="x (m)", xticks=[0.5, 0.25, 0, -0.25, -0.5], yticks=[0, 0.25, 0.5])
+    return outline
 
 
-def coverage_map(cells: pd.DataFrame, ax: Axes, *, cell_m: float = 0.05, colour: str = COLOURS["move"]) -> None:
+def coverage_map(cells: pd.DataFrame, ax: Axes, *, cell_m: float = 0.05, colour: str = COLOURS["move"]
+                 ) -> ScalarMappable:
     """Fill the cells of the half disc by how often they were visited (square root, so that few visits still show).
 
     Args:
         cells: columns x_m, y_m, visits, of one method (`workspace.coverage`).
         colour: full colour, for the most visited cell.
+
+    Returns:
+        What a colour bar needs.
     """
-    half_disc(ax)
+    outline = half_disc(ax)
     most = max(int(cells["visits"].max()), 1) if len(cells) else 1
+    shades = ScalarMappable(PowerNorm(0.5, 0, most), LinearSegmentedColormap.from_list("visits", ["white", colour]))
     for cell in cells.itertuples():
-        face = (colour, 0.12 + 0.88 * np.sqrt(cell.visits / most)) if cell.visits else "white"
-        ax.add_patch(
-            plt.Rectangle((cell.y_m - cell_m / 2, cell.x_m - cell_m / 2), cell_m, cell_m, facecolor=face,
-                          edgecolor="0.9", linewidth=0.4, zorder=1))
+        square = Rectangle((cell.y_m - cell_m / 2, cell.x_m - cell_m / 2), cell_m, cell_m, edgecolor="0.9",
+                           facecolor=shades.to_rgba(cell.visits), linewidth=0.4, zorder=1)
+        ax.add_patch(square)
+        square.set_clip_path(outline)
+    return shades
 
 
 def paths(table: pd.DataFrame, ax: Axes, *, colour: str = COLOURS["move"]) -> None:
@@ -97,24 +108,6 @@ def paths(table: pd.DataFrame, ax: Axes, *, colour: str = COLOURS["move"]) -> No
             ax.plot(before["y_m"].iloc[-1], before["x_m"].iloc[-1], marker="o", markersize=3.5, color=colour, zorder=5)
 
 
-def frames_strip(frames: np.ndarray, ax: Axes, *, titles: Sequence[str] = ()) -> None:
-    """Draw frames in a row.
-
-    Args:
-        frames: (k, height, width, 3) uint8.
-        titles: one a frame, written above it.
-    """
-    count, height, width, _ = frames.shape
-    gap_px = max(1, width // 40)
-    strip = np.full((height, count * (width + gap_px) - gap_px, 3), 255, np.uint8)
-    for number, frame in enumerate(frames):
-        strip[:, number * (width + gap_px):number * (width + gap_px) + width] = frame
-    ax.imshow(strip, interpolation="auto")
-    for number, title in enumerate(titles):
-        ax.text(number * (width + gap_px) + width / 2, -0.04 * height, title, ha="center", va="bottom")
-    ax.set_axis_off()
-
-
 def speed_dots(table: pd.DataFrame, ax: Axes) -> None:
     """Draw the object's mean speed before the grasp, one dot an episode, by method.
 
@@ -123,14 +116,14 @@ def speed_dots(table: pd.DataFrame, ax: Axes) -> None:
     """
     methods = [method for method in COLOURS if method in set(table["method"])]
     for place, method in enumerate(methods):
-        values = table.loc[table["method"] == method, "mean_speed"].dropna().sort_values()
-        spread = np.linspace(-0.2, 0.2, len(values)) if len(values) > 1 else np.zeros(len(values))
-        ax.plot(place + spread, values, marker="o", linestyle="none", markersize=4, color=COLOURS[method], alpha=0.8)
-    ax.set_xticks(range(len(methods)), [NAMES[method] for method in methods])
+        values = table.loc[table["method"] == method, "mean_speed"].dropna()
+        spread = 0.4 * (np.arange(len(values)) * GOLDEN % 1 - 0.5)  # sideways, in no order of the speeds
+        ax.plot(place + spread, values, marker="o", linestyle="none", markersize=3.5, color=COLOURS[method], alpha=0.7,
+                clip_on=False)
+    ax.set_xticks(range(len(methods)), [f"{NAMES[name]}\nn = {(table['method'] == name).sum()}" for name in methods])
     unit = table["unit"].iloc[0] if len(table) else "px"
     ax.set(ylabel=f"object's speed ({unit}/s)", xlim=(-0.6, len(methods) - 0.4))
     ax.set_ylim(bottom=0)
-    ax.grid(axis="y", color="0.9")
 
 
 def object_map(places: pd.DataFrame, ax: Axes, *, colour: str = COLOURS["move"]) -> None:
@@ -143,4 +136,4 @@ def object_map(places: pd.DataFrame, ax: Axes, *, colour: str = COLOURS["move"])
         ax.plot(seen["column"], seen["row"], color=colour, linewidth=0.8, alpha=0.6, marker="o", markersize=2)
     if len(places):
         ax.set(xlim=(0, places["width"].iloc[0]), ylim=(places["height"].iloc[0], 0), aspect="equal")
-    ax.set(xticks=[], yticks=[])
+    ax.set(xlabel="column of the image (px)", ylabel="row (px)")

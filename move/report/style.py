@@ -1,15 +1,17 @@
-"""How every picture looks: colours, sizes, file formats, and the line that says where its numbers come from."""
+"""How every picture looks: colours, sizes, panel letters, file formats, and what a copied picture must still say."""
 
 from __future__ import annotations
 
 import math
-import textwrap
+from collections.abc import Sequence
 from pathlib import Path
 
 import matplotlib as mpl
-import pandas as pd
 import seaborn as sns
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+
+from move.report.captions import Caption
 
 COLOURS = {  # safe for colour-blind readers (Okabe and Ito); a method has the same everywhere
     "static": "#0072B2",
@@ -22,54 +24,61 @@ COLOURS = {  # safe for colour-blind readers (Okabe and Ito); a method has the s
     "goal-blind": "#999999",
     "unknown": "#777777",  # data that do not say how they were collected
 }
+DIFFERENCES = {"static": ("#000000", "o"), "adc": ("#777777", "s")}
+"""Colour and marker of MOVE minus another method: never a method's colour, for a difference is none of them."""
 NAMES = {"static": "static", "adc": "ADC", "move": "MOVE", "mixture": "mixture", "nothing": "do nothing",
          "random": "random actions", "expert": "expert", "goal-blind": "goal-blind expert", "unknown": "unknown"}
-COLUMN_WIDTH = 3.5  # inches, one column of a two-column page
-PAGE_WIDTH = 7.2  # inches
+COLUMN_WIDTH = 3.4  # inches, one column of a two-column page
+PAGE_WIDTH = 7.0  # inches
+LEAST_POINTS = 7.0  # no text in a picture is smaller
+LETTERS = "abcdefghijklmnopqrstuvwxyz"
 
 
 def use_style() -> None:
     """Set matplotlib up for a two-column PDF; the same bytes every time a figure is written."""
     sns.set_theme(style="ticks", context="paper", rc={
-        "font.size": 8, "axes.titlesize": 8.5, "axes.labelsize": 8, "legend.fontsize": 7, "xtick.labelsize": 7,
+        "font.size": 7.5, "axes.titlesize": 8, "axes.labelsize": 7.5, "legend.fontsize": 7, "xtick.labelsize": 7,
         "ytick.labelsize": 7, "axes.spines.top": False, "axes.spines.right": False, "figure.dpi": 150,
         "savefig.dpi": 200, "pdf.fonttype": 42, "svg.hashsalt": "move", "legend.frameon": False,
+        "axes.titlelocation": "left", "axes.linewidth": 0.8, "xtick.major.width": 0.8, "ytick.major.width": 0.8,
+        "xtick.major.size": 3, "ytick.major.size": 3, "legend.handlelength": 1.6, "legend.columnspacing": 1.2,
         "figure.constrained_layout.use": True,
     })
     mpl.rcParams["axes.formatter.use_mathtext"] = True
 
 
-def footnote(figure: Figure, text: str) -> None:
-    """Write small print under the figure: observation, budget, seeds, and what the profile is for."""
-    wrapped = textwrap.fill(text, int(figure.get_figwidth() * 23))
-    figure.supxlabel(wrapped, fontsize=5.5, color="#555555", x=0.01, ha="left")
+def titles(axes: Sequence[Axes], texts: Sequence[str]) -> None:
+    """Write each panel's title over its left edge, after a bold letter where there are several panels."""
+    for number, (ax, text) in enumerate(zip(axes, texts, strict=True)):
+        letter = rf"$\bf{{{LETTERS[number]}}}$   " if len(axes) > 1 else ""
+        ax.set_title(letter + text, loc="left")
+
+
+def remark(figure: Figure, text: str) -> None:
+    """Write a line under the figure that a reader must not miss, such as how many runs are not there."""
+    figure.supxlabel(text, fontsize=LEAST_POINTS, color="#444444", x=0.01, ha="left")
 
 
 def stamp(figure: Figure, text: str, colour: str = "0.35", points: float = 24) -> None:
-    """Write `text` across the figure: what a reader must not overlook, also on a copied picture.
+    """Write `text` across the figure, behind its marks: what a reader must not overlook, also on a copied picture.
 
     Args:
         points: size of the letters on a figure of the page's width; they shrink with it.
     """
     width, height = figure.get_size_inches()
     rotation = 0.6 * math.degrees(math.atan2(height, width))
-    figure.text(0.5, 0.5, text, fontsize=points * width / PAGE_WIDTH, color=colour, alpha=0.2, ha="center",
-                va="center", rotation=rotation, weight="bold", zorder=100)
+    for ax in figure.axes:
+        ax.patch.set_visible(False)
+    figure.text(0.5, 0.5, text, fontsize=max(points * width / PAGE_WIDTH, LEAST_POINTS), color=colour, alpha=0.2,
+                ha="center", va="center", rotation=rotation, weight="bold", zorder=-1)
 
 
-def save(figure: Figure, name: str, folder: Path) -> None:
-    """Write `name`.pdf and `name`.png into `folder`."""
+def save(figure: Figure, name: str, folder: Path, caption: Caption | None = None) -> None:
+    """Write `name`.pdf and `name`.png into `folder`, and their caption, which both of them also hold, beside them."""
     folder.mkdir(parents=True, exist_ok=True)
-    figure.savefig(folder / f"{name}.pdf", metadata={"CreationDate": None, "ModDate": None})
-    figure.savefig(folder / f"{name}.png", metadata={"Software": None})
-
-
-def save_table(table: pd.DataFrame, name: str, folder: Path, printed: pd.DataFrame | None = None) -> None:
-    """Write `name`.csv and `name`.tex into `folder`; the LaTeX file holds `printed` where that is given."""
-    folder.mkdir(parents=True, exist_ok=True)
-    table.to_csv(folder / f"{name}.csv", float_format="%.4f", index=table.index.name is not None)
-    printed = table if printed is None else printed
-    styled = printed.style.format(precision=3, escape="latex", na_rep="--").format_index(escape="latex", axis="columns")
-    if printed.index.name is None:
-        styled = styled.hide(axis="index")
-    (folder / f"{name}.tex").write_text(styled.to_latex(hrules=True))
+    title, alt = (caption.title, caption.alt) if caption else (name, "")
+    figure.savefig(folder / f"{name}.pdf", metadata={"CreationDate": None, "ModDate": None, "Title": title,
+                                                     "Subject": alt})
+    figure.savefig(folder / f"{name}.png", metadata={"Software": None, "Title": title, "Description": alt})
+    if caption:
+        (folder / f"{name}.caption.md").write_text(caption.markdown(), encoding="utf-8")

@@ -9,16 +9,20 @@ from move import paper
 from move.errors import BadInput
 from move.intervals import wilson_interval
 from move.paper import PAPER_METHODS, PAPER_TASKS
+from move.report.printed import ABSENT, readable, shown
 from move.report.style import NAMES
 from move.sim.collection import METHODS
 from move.sim.configuration import Disc
 from move.sim.tasks import TASKS
 from move.sim.tasks.task import acceptance_rate
 from move.study.cells import successes, training_noise
+from move.study.labels import LabelledRun
 from move.study.profiles import Profile
 from move.study.results import Result
 from move.study.spec import CollectionRun, PolicyRun
 from move.study.statistics import UNKNOWN, TrainingNoise, difference, success_rate
+
+__all__ = ["readable", "shown"]  # besides what stands here: one place for a notebook's tables
 
 
 def rate_table(episodes: pd.DataFrame, by: list[str], known: TrainingNoise = UNKNOWN) -> pd.DataFrame:
@@ -192,12 +196,42 @@ def floors_and_ceilings(episodes: pd.DataFrame) -> pd.DataFrame:
     return controls.pivot_table("success", "task", "method", aggfunc="mean", sort=False)
 
 
-def beside(table: pd.DataFrame, index: str, columns: str, value: str = "value") -> pd.DataFrame:
-    """A wide table for print: one row an `index`, one column a `columns`, cells "rate [low, high]"."""
-    cells = table.assign(cell=[f"{getattr(row, value):.2f} [{row.low:.2f}, {row.high:.2f}]"
-                               for row in table.itertuples()])
-    wide = cells.pivot(index=index, columns=columns, values="cell")
-    return wide.reindex(index=table[index].unique(), columns=table[columns].unique())
+def with_missing(rates: pd.DataFrame, runs: list[LabelledRun], by: list[str]) -> pd.DataFrame:
+    """`rates` with a row for everything that `runs` were to tell, NaN where it is missing, in the order of the runs.
+
+    Args:
+        rates: as `rate_table` gives them by `by`.
+    """
+    wanted = pd.DataFrame([{**run.labels, "task": run.spec.task, "method": run.spec.method,
+                            "observation": run.spec.observation, "timesteps": run.spec.collection.timesteps}
+                           for run in runs if run.spec.collection])
+    table = wanted[by].drop_duplicates().merge(rates, on=by, how="left")
+    return table.assign(seeds=[seeds if isinstance(seeds, list) else [] for seeds in table.seeds])
+
+
+def beside(rates: pd.DataFrame, controls: pd.DataFrame, means: pd.DataFrame | None = None) -> pd.DataFrame:
+    """A table for print: one row a task, for each method its rate, the paper's beside it; floor, ceiling, mean row.
+
+    Args:
+        rates: task, method, value, low, high; paper where the paper gives any.
+        controls: as `floors_and_ceilings` gives them.
+        means: method, value and, where the paper gives any, paper: the last row.
+    """
+    text = readable(rates).assign(task=rates.task, method=rates.method)
+    printed = [name for name in ("Success (%)", "Paper (%)") if name in text]
+    wide = text.pivot(index="task", columns="method", values=printed).reindex(rates.task.unique())
+    names = {"Success (%)": "here", "Paper (%)": "paper"}
+    columns = {(NAMES[method], names[kind]): wide[kind, method] for method in rates.method.unique() for kind in printed}
+    for control in ("expert", "goal-blind"):
+        values = controls[control].reindex(wide.index) if control in controls else pd.Series(np.nan, wide.index)
+        columns[NAMES[control], ""] = values.map(lambda value: ABSENT if pd.isna(value) else f"{100 * value:.1f}")
+    table = pd.DataFrame(columns).fillna(ABSENT)
+    table.insert(0, ("Task", ""), [TASKS[task].title for task in table.index])
+    if means is not None:
+        last = readable(means).assign(method=means.method).set_index("method")
+        row = {(NAMES[method], names[kind]): last.loc[method, kind] for method in last.index for kind in printed}
+        table.loc["mean"] = pd.Series({("Task", ""): f"mean of {len(table)}", **row}).reindex(table.columns)
+    return table.fillna(ABSENT).reset_index(drop=True)
 
 
 def hyperparameters(profiles: list[Profile]) -> pd.DataFrame:
@@ -251,10 +285,10 @@ def printed_trials(table: pd.DataFrame) -> pd.DataFrame:
         table: from `move.realworld.trials.real_table`.
     """
     rows = [
-        {"timesteps": f"{row.timesteps // 1000}k", "method": NAMES[row.method],
-         "successes": f"{row.successes}/{row.trials}", "success": f"{100 * row.rate:.1f} %",
-         "95 % interval": f"{100 * row.low:.1f} to {100 * row.high:.1f} %", "score": f"{row.normalised:.3f}",
-         "allowed score": f"{row.score_low:.3f} to {row.score_high:.3f}"}
+        {"Timesteps": f"{row.timesteps:,}", "Method": NAMES[row.method], "Successes": f"{row.successes}/{row.trials}",
+         "Success (%)": f"{100 * row.rate:.1f}", "95 % interval": f"{100 * row.low:.1f} to {100 * row.high:.1f}",
+         "Score (%)": f"{100 * row.normalised:.1f}",
+         "Score that the successes allow": f"{100 * row.score_low:.1f} to {100 * row.score_high:.1f}"}
         for row in table.itertuples()
     ]
     return pd.DataFrame(rows)

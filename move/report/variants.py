@@ -17,6 +17,7 @@ from move.study.statistics import UNKNOWN, TrainingNoise, difference
 
 USUAL = {"object": 0.03, "target": 0.03, "camera": 1.0}
 """The speeds used everywhere else: metres per step, and degrees per step of the camera."""
+COMPARED = ("than", "gap", "low", "high", "p", "holm", "trainings")
 
 
 def step_table(episodes: pd.DataFrame, noise: TrainingNoise = UNKNOWN) -> pd.DataFrame:
@@ -27,7 +28,7 @@ def step_table(episodes: pd.DataFrame, noise: TrainingNoise = UNKNOWN) -> pd.Dat
         pairs = [*zip(rungs[1:], rungs, strict=False),
                  *((name, "nothing") for name in group.moves.unique() if "alone" in name)]
         rows += _compared(group, "moves", pairs, noise, {"task": task})
-    return pd.DataFrame(rows)
+    return pd.DataFrame(rows, columns=["task", "moves", *COMPARED])
 
 
 def speed_table(episodes: pd.DataFrame, noise: TrainingNoise = UNKNOWN) -> pd.DataFrame:
@@ -36,13 +37,13 @@ def speed_table(episodes: pd.DataFrame, noise: TrainingNoise = UNKNOWN) -> pd.Da
     for (task, part), group in episodes.groupby(["task", "part"], sort=False):
         pairs = [(speed, USUAL[part]) for speed in sorted(group.speed.unique()) if speed != USUAL.get(part, speed)]
         rows += _compared(group, "speed", pairs, noise, {"task": task, "part": part})
-    return pd.DataFrame(rows)
+    return pd.DataFrame(rows, columns=["task", "part", "speed", *COMPARED])
 
 
 def share_table(episodes: pd.DataFrame, noise: TrainingNoise = UNKNOWN) -> pd.DataFrame:
     """Each share of MOVE against none."""
     pairs = [(share, 0.0) for share in sorted(episodes.share.unique()) if share]
-    return pd.DataFrame(_compared(episodes, "share", pairs, noise, {}))
+    return pd.DataFrame(_compared(episodes, "share", pairs, noise, {}), columns=["share", *COMPARED])
 
 
 def _compared(

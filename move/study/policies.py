@@ -21,6 +21,11 @@ def _trained_here(spec: RunSpec) -> Path:
     return paths.RUNS / spec.policy_hash / "policy"
 
 
+def is_there(spec: RunSpec, profile: Profile) -> bool:
+    """Whether the policy that the run `spec` evaluated is shipped, or left by a run on this machine."""
+    return any((folder / "run.json").exists() for folder in (_shipped(spec, profile), _trained_here(spec)))
+
+
 def trained_policy(spec: RunSpec, profile: Profile) -> DiffusionPolicy:
     """The policy that the run `spec` evaluated.
 
