@@ -37,7 +37,7 @@ def test_a_notebooks_defaults_are_its_experiments(name):
 def test_a_smoke_figure_says_so_across_itself_and_no_other_does(profile, stamped, tmp_path, monkeypatch):
     monkeypatch.setattr(paths, "figures", lambda name: tmp_path)
     figure, _ = plt.subplots()
-    page.write("figure", figure, {}, load_profile(profile), "source")
+    page.write("claims", figure, {}, load_profile(profile), "source")
     assert ("SMOKE" in [text.get_text() for text in figure.texts]) is stamped
 
 

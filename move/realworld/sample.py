@@ -32,7 +32,7 @@ HEIGHT_M = {"travel": 0.26, "grasp": 0.15}
 OPEN_M, HOLD_M = 0.095, 0.062
 NAMES = [*(f"joint_{n}" for n in range(1, 7)), "gripper", "x", "y", "z", "roll", "pitch", "yaw"]
 METHODS = ("static", "move")
-LOSSLESS = {"qp": "0", "g": "20", "preset": "veryfast"}  # what is drawn from the frames is the same on every machine
+LOSSLESS = {"qp": "0", "g": "100", "preset": "medium"}  # what is drawn from the frames is the same on every machine
 
 
 @dataclass(frozen=True)
