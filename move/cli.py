@@ -141,13 +141,14 @@ def train(
     from move.study.profiles import load_profile
     from move.validation import build
 
-    demonstrations, _ = dataset.load(data, clip_actions)
+    demonstrations, attributes = dataset.load(data, clip_actions)
     observation = "rgb" if demonstrations.has_images else "keypoints"
     recipe = load_profile(profile).recipe(observation, demonstrations.timesteps).model_dump()
     if gradient_steps is not None:
         recipe |= {"gradient_steps": gradient_steps, "warmup_steps": min(recipe["warmup_steps"], gradient_steps // 2)}
     with progress("train") as report:
-        _, trained = training.train(demonstrations, build(Training, **recipe), seed, checkpoint=out, on_step=report)
+        _, trained = training.train(demonstrations, build(Training, **recipe), seed, checkpoint=out, on_step=report,
+                                    task=dataset.task_of(attributes))
     show({"checkpoint": str(out), "gradient_steps": recipe["gradient_steps"], "loss": trained.curve[-1][1],
           "seconds": trained.seconds, "precision": trained.precision, "parameters": trained.parameters}, as_json,
          "Policy")
@@ -196,7 +197,7 @@ def evaluate(
             served = stack.enter_context(LeRobotAgent(lerobot, lerobot_python or PYTHON, seed))
             who, seen, agent = served, served.observation, "lerobot"
         elif checkpoint and agent == "policy":
-            policy = load_policy(checkpoint)
+            policy = load_policy(checkpoint, task=task)
             who, seen = agents.PolicyAgent(policy, seed), policy.observation
         else:
             who = agents.CONTROLS[agent](seed)

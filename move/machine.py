@@ -11,11 +11,15 @@ import importlib
 import os
 import platform
 import resource
+import signal
 import sys
+import threading
+import time
 from functools import cache
 
 THREAD_VARIABLES = ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS", "LP_NUM_THREADS")
 M_TRIM_THRESHOLD, M_MMAP_MAX = -1, -4  # of glibc's malloc.h
+PR_SET_PDEATHSIG = 1  # of Linux's prctl.h
 
 
 # GL ------------------------------------------------------------------------------------------------------------------
@@ -102,6 +106,31 @@ def default_workers() -> int:
     import torch
 
     return torch.cuda.device_count() or os.cpu_count() or 1
+
+
+# processes -----------------------------------------------------------------------------------------------------------
+
+
+def end_with(parent: int) -> None:
+    """End this process as soon as the one that started it is gone, however it went; Ctrl-C is that one's to handle.
+
+    On Linux the kernel kills it at once, when the thread that started it ends; everywhere a thread looks once a second.
+
+    Args:
+        parent: the process id of the one that started it, which may be gone already.
+    """
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+
+    def watch() -> None:
+        while os.getppid() == parent:
+            time.sleep(1.0)
+        os._exit(1)
+
+    if os.getppid() != parent:
+        os._exit(1)
+    threading.Thread(target=watch, daemon=True).start()
 
 
 # threads and memory --------------------------------------------------------------------------------------------------

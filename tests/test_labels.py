@@ -9,6 +9,7 @@ from move import paper, paths
 from move.errors import BadInput
 from move.learn.evaluate import Evaluation
 from move.study import experiments, profiles, results
+from move.study import run as running
 from move.study.kinds import collector_run, control_run, policy_run
 from move.study.labels import LabelledRun, distinct, grid
 from move.study.profiles import Profile, load_profile
@@ -59,10 +60,9 @@ def test_what_no_run_can_be_is_one_clear_line(make, message):
 
 
 def test_labels_are_neither_hashed_nor_stored_and_become_columns(tmp_path):
-    run = LabelledRun(control_run(task="push", agent="expert"), {"colour": "red", "task": "push"})
-    assert run.spec.hash == control_run(task="push", agent="expert").hash
-    rows = [{"trial": 0, "group": "random", "success": True}]
-    results.store(results.Result(run.spec, rows, None, None, {}, {}, run.labels), tmp_path)
+    run = LabelledRun(control_run(task="push", agent="expert", episodes=1), {"colour": "red", "task": "push"})
+    assert run.spec.hash == control_run(task="push", agent="expert", episodes=1).hash
+    results.store(dataclasses.replace(running.run(run.spec, tmp_path), labels=run.labels), tmp_path)
     again = results.load(run.spec, tmp_path)
     assert again.labels == {} and "red" not in (tmp_path / f"{run.spec.hash}.json").read_text()
     table = results.table([dataclasses.replace(again, labels=run.labels)])

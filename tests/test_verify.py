@@ -57,7 +57,7 @@ def test_columns_that_only_new_results_have_are_no_difference(honest, tmp_path):
 @pytest.mark.parametrize("outcome, same", [(False, True), (True, False)])
 def test_on_another_processor_the_rate_is_judged_and_not_the_bits(honest, tmp_path, outcome, same):
     """Three failures fit a rate of 0 whatever their steps; three successes do not."""
-    rows = [{**row, "success": outcome, "steps": 7} for row in honest.rows]
+    rows = [{**row, "success": outcome, "success_steps": 10 * outcome, "steps": 7} for row in honest.rows]
     provenance = {**honest.provenance, "processor": "another"}
     results.store(dataclasses.replace(honest, rows=rows, provenance=provenance), tmp_path)
     (row,) = verify.verify([honest.spec], tmp_path, 1, rng())

@@ -147,6 +147,13 @@ def _observations(observations: np.ndarray) -> np.ndarray:
     return observations.astype(np.float32, copy=False) if observations.ndim == 2 else observations
 
 
+def task_of(attributes: dict[str, Any]) -> str:
+    """The task that a data set's attributes name; "" where they name none, as in the authors' data."""
+    collection = attributes.get("collection")
+    task = collection.get("task") if isinstance(collection, dict) else None
+    return task if isinstance(task, str) else ""
+
+
 def _actions(actions: np.ndarray, clip: bool) -> np.ndarray:
     """Actions as float32 within -1..1."""
     if actions.dtype.kind == "b":

@@ -6,18 +6,21 @@ that stopped and went on from its checkpoint therefore ends with the same bits a
 
 import hashlib
 import math
+import os
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import torch
+from filelock import FileLock, Timeout
 from torch import Tensor
 
 from move.errors import BadInput
 from move.learn import checkpoint as checkpoints
-from move.learn.checkpoint import Checkpoint
+from move.learn.checkpoint import Checkpoint, UnusableCheckpoint
 from move.learn.dataset import window_indices
 from move.learn.diffusion import DiffusionPolicy
 from move.learn.settings import Training
@@ -25,7 +28,7 @@ from move.machine import keep_freed_memory, one_thread, precision_used
 from move.sim.demonstrations import Demonstrations
 
 CURVE_POINTS = 50
-CHECKPOINT_SECONDS = 180.0
+CHECKPOINT_SECONDS = float(os.environ.get("MOVE_CHECKPOINT_SECONDS", "180"))
 OnStep = Callable[[int, int, float], None]
 
 
@@ -107,8 +110,10 @@ def _select(rows: Tensor, index: Tensor) -> Tensor:
 class Trainer:
     """The state of a training run: policy, averaged policy, AdamW's moments, step and losses."""
 
-    def __init__(self, demonstrations: Demonstrations, training: Training, seed: int, device: str) -> None:
+    def __init__(self, demonstrations: Demonstrations, training: Training, seed: int, device: str, task: str = ""
+                 ) -> None:
         self.training, self.seed, self.device, self.data = training, seed, device, fingerprint(demonstrations)
+        self.task = task
         self.step, self.ema_steps, self.seconds = 0, 0, 0.0
         self.precision = precision_used(training.precision, device)
         self.batches = Batches(demonstrations, training, device)
@@ -146,7 +151,7 @@ class Trainer:
             torch._foreach_lerp_(self.ema_weights, self.weights, 1 - keep)
         value = self.losses[self.step] = loss.item()
         if not math.isfinite(value):
-            raise FloatingPointError(f"loss {value} at gradient step {self.step}; try a smaller learning_rate")
+            raise BadInput(f"training diverged: loss {value} at gradient step {self.step}; try a smaller learning_rate")
         self.step, self.ema_steps = self.step + 1, self.ema_steps + 1
         return value
 
@@ -161,7 +166,7 @@ class Trainer:
         return Checkpoint(
             self.training, self.seed, self.data, tuple(self.policy.observation_shape), self.policy.action_size,
             self.step, self.ema_steps, self.seconds, self.precision,
-            {name: tensor.contiguous() for name, tensor in tensors.items()},
+            {name: tensor.contiguous() for name, tensor in tensors.items()}, self.task,
         )
 
     def resume(self, saved: Checkpoint) -> None:
@@ -181,7 +186,7 @@ class Trainer:
         there = saved.training.model_dump() | {"seed": saved.seed, "data": saved.data}
         differing = [f"{name} {there[name]} there, {here[name]} here" for name in here if here[name] != there[name]]
         if differing:
-            raise BadInput(f"the checkpoint belongs to another run: {'; '.join(differing)}")
+            raise UnusableCheckpoint(f"the checkpoint belongs to another run: {'; '.join(differing)}")
 
     def report(self) -> TrainingReport:
         """Loss curve, seconds, precision and size."""
@@ -207,32 +212,63 @@ def train(
     checkpoint_every: int | None = None,
     on_step: OnStep | None = None,
     device: str = "cpu",
+    task: str = "",
 ) -> tuple[DiffusionPolicy, TrainingReport]:
     """Train a policy; return it with averaged weights, and what training did.
 
     checkpoint: a folder, written every `checkpoint_every` gradient steps, or every three minutes, and at the end. If
     it holds this run, training goes on from there; if that is finished, it is returned. on_step(steps done, steps in
-    all, loss) is called after each step. Raises BadInput if the folder holds another run or a damaged one, or if the
-    observations do not suit the settings.
+    all, loss) is called after each step. task: what the demonstrations show, for the checkpoint.
+
+    Raises BadInput if the folder cannot be written or is being trained into, if the observations do not suit the
+    settings, or if training diverges; its UnusableCheckpoint if the folder holds another run or a damaged one.
     """
     keep_freed_memory()
     one_thread()
-    saved = checkpoints.read(checkpoint, device) if checkpoint else None
-    trainer = Trainer(demonstrations, training, seed, device)
-    if saved:
-        trainer.resume(saved)
+    with _alone_in(checkpoint):
+        saved = checkpoints.read(checkpoint, device) if checkpoint else None
+        trainer = Trainer(demonstrations, training, seed, device, task)
+        if saved:
+            trainer.resume(saved)
+        _take_steps(trainer, checkpoint, checkpoint_every, on_step)
+    return trainer.ema_policy, trainer.report()
+
+
+@contextmanager
+def _alone_in(folder: Path | None) -> Iterator[None]:
+    """Hold a training's folder, so that no other process trains into it."""
+    if folder is None:
+        yield
+        return
+    try:
+        Path(folder).mkdir(parents=True, exist_ok=True)
+        lock = FileLock(Path(folder) / "lock", timeout=0)
+        lock.acquire()
+    except Timeout as error:
+        raise BadInput(f"{folder}: another training is writing there; allowed is a folder of its own") from error
+    except OSError as error:
+        raise BadInput(f"cannot write the checkpoint in {folder}: {error.strerror}") from error
+    try:
+        yield
+    finally:
+        lock.release()
+
+
+def _take_steps(trainer: Trainer, checkpoint: Path | None, checkpoint_every: int | None, on_step: OnStep | None
+                ) -> None:
+    """Take the steps that are left, and write checkpoints meanwhile."""
     started = time.perf_counter() - trainer.seconds
     saved_at = trainer.seconds
-    while trainer.step < training.gradient_steps:
+    steps = trainer.training.gradient_steps
+    while trainer.step < steps:
         loss = trainer.take_step()
         trainer.seconds = time.perf_counter() - started
         if checkpoint_every:
             due = trainer.step % checkpoint_every == 0
         else:
             due = trainer.seconds - saved_at > CHECKPOINT_SECONDS
-        if checkpoint and (due or trainer.step == training.gradient_steps):
+        if checkpoint and (due or trainer.step == steps):
             checkpoints.write(trainer.checkpoint(), Path(checkpoint))
             saved_at = trainer.seconds
         if on_step:
-            on_step(trainer.step, training.gradient_steps, loss)
-    return trainer.ema_policy, trainer.report()
+            on_step(trainer.step, steps, loss)

@@ -16,7 +16,7 @@ from move.study.execute import execute
 from move.study.experiments import table2_main, table_keypoint_control
 from move.study.labels import LabelledRun
 from move.study.profiles import Profile
-from move.study.results import Result, split, table
+from move.study.results import Result, missing_in_words, split, table
 from move.study.spec import RunSpec
 from move.study.statistics import UNKNOWN, TrainingNoise
 
@@ -44,7 +44,7 @@ class Gathered:
         parts = [", ".join(seen), ", ".join(f"{budget:,}" for budget in budgets) + " timesteps"] if trained else []
         parts += [f"{seeds} seed{'s' * (seeds != 1)}",
                   f"{len(self.results)} runs, {minutes:.0f} minutes in all, one core each"]
-        parts += [f"{len(self.missing)} RUNS MISSING"] if self.missing else []
+        parts += [f"{len(self.missing)} RUNS MISSING: {missing_in_words(self.missing)}"] if self.missing else []
         return "; ".join(parts) + f". {self.profile.purpose}"
 
 

@@ -6,18 +6,12 @@ go on from their last checkpoint when the same command is given again.
 
 from __future__ import annotations
 
-import multiprocessing
-import os
-import signal
-import threading
-import time
 from collections.abc import Iterator
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
+from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, ThreadPoolExecutor, wait
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Protocol
 
-import torch
 from rich.console import Console
 from rich.progress import (
     BarColumn,
@@ -30,69 +24,50 @@ from rich.progress import (
 )
 
 from move.errors import BadInput
-from move.machine import default_workers, one_thread_in_children
+from move.machine import default_workers
 from move.paths import RUNS
-from move.study.results import Result, check_writable, split
-from move.study.run import run_and_report
+from move.study.cluster import GONE, UnfitWorker, dask_cluster
+from move.study.processes import Processes, RunFailed
+from move.study.results import NOT_COMPUTED, Result, check_writable, remove_leftovers, set_aside, split
 from move.study.spec import RunSpec
 
 PART_SHARE = {"collect": (0.0, 0.1), "train": (0.1, 0.75), "evaluate": (0.85, 0.15)}  # start and share of a run's time
 
 
-@contextmanager
-def process_pool(workers: int) -> Iterator[Executor]:
-    """A pool of fresh processes, one thread each, that take the machine's GPUs in turn."""
-    one_thread_in_children()
-    context = multiprocessing.get_context("spawn")
-    started = context.Value("i", 0)
-    executor = ProcessPoolExecutor(workers, mp_context=context, initializer=_begin, initargs=(started,))
-    try:
-        yield executor
-    except BaseException:
-        executor.shutdown(wait=False, cancel_futures=True)
-        for process in multiprocessing.active_children():
-            process.terminate()
-        raise
-    executor.shutdown()
+class Pool(Protocol):
+    """What computes runs."""
+
+    def submit(self, spec: RunSpec, folder: Path) -> Future:
+        """Compute and store a run some time."""
+
+    def trouble(self) -> str:
+        """What keeps all runs waiting, in a few words; empty if nothing does."""
 
 
-def _begin(started: Any) -> None:
-    """In a worker: take the next GPU, and end with the parent; `started` counts the workers."""
-    with started.get_lock():
-        number, started.value = started.value, started.value + 1
-    if gpus := torch.cuda.device_count():
-        torch.cuda.set_device(number % gpus)
-    _end_with_parent()
+class LocalPool:
+    """Processes of this machine, each of them started and waited for by a thread."""
 
+    def __init__(self, workers: int) -> None:
+        self.processes, self.threads = Processes(), ThreadPoolExecutor(workers)
 
-def _end_with_parent() -> None:
-    """End when the process that wants the results is gone, however it went."""
-    parent = os.getppid()
+    def submit(self, spec: RunSpec, folder: Path) -> Future:
+        """Compute and store a run as soon as a process is free."""
+        return self.threads.submit(self.processes.compute, spec, folder)
 
-    def watch() -> None:
-        while os.getppid() == parent:
-            time.sleep(1.0)
-        os._exit(1)
-
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's to handle
-    threading.Thread(target=watch, daemon=True).start()
+    def trouble(self) -> str:
+        """Nothing: a process that dies is started again."""
+        return ""
 
 
 @contextmanager
-def dask_cluster(address: str) -> Iterator[Executor]:
-    """The executor of a Dask cluster that shares this folder.
-
-    Raises:
-        BadInput: no scheduler answers at the address.
-    """
-    from distributed import Client
-
+def process_pool(workers: int) -> Iterator[Pool]:
+    """So many processes of this machine, which end with the block, whatever they do."""
+    pool = LocalPool(workers)
     try:
-        client = Client(address, timeout=10)
-    except (OSError, ValueError) as error:
-        raise BadInput(f"cluster: no Dask scheduler at {address} ({error}); start one with `dask scheduler`") from error
-    with client, client.get_executor() as executor:
-        yield executor
+        yield pool
+    finally:
+        pool.processes.end()
+        pool.threads.shutdown(cancel_futures=True)
 
 
 def execute(
@@ -103,43 +78,70 @@ def execute(
     Raises:
         BadInput: a folder that cannot be written, or a cluster that does not answer.
     """
+    folder = folder.absolute()
     _, missing = split(specs, folder)
     if missing:
         check_writable(folder)
+        remove_leftovers(folder)
         todo = list({spec.hash: spec for spec, _ in missing}.values())
-        pool = dask_cluster(cluster) if cluster else process_pool(min(len(todo), workers or default_workers()))
-        with pool as executor:
-            failed = _run_all(executor, todo, folder, quiet)
+        local = min(len(todo), workers or default_workers())
+        with dask_cluster(cluster, folder) if cluster else process_pool(local) as pool:
+            failed = _run_all(pool, missing, folder, quiet)
         there, missing = split(specs, folder)
         return there, [(spec, failed.get(spec.hash, why)) for spec, why in missing]
     return split(specs, folder)
 
 
-def _run_all(executor: Executor, todo: list[RunSpec], folder: Path, quiet: bool) -> dict[str, str]:
-    """Run all of `todo`; return one line of explanation for each run that failed, by its hash."""
-    futures = {executor.submit(run_and_report, spec, folder): spec for spec in todo}
+def _run_all(pool: Pool, missing: list[tuple[RunSpec, str]], folder: Path, quiet: bool) -> dict[str, str]:
+    """Run all that is missing; return one line of explanation for each run that failed, by its hash.
+
+    Raises:
+        BadInput: a cluster whose scheduler is gone, or a worker that cannot store what it computes.
+    """
     failed: dict[str, str] = {}
+    todo = list({spec.hash: spec for spec, _ in missing}.values())
     with _progress(quiet) as progress:
+        _set_aside(missing, folder, progress.console)
         whole = progress.add_task(f"{len(todo)} runs", total=len(todo))
         bars = {spec.hash: progress.add_task(spec.label, total=1.0, visible=False) for spec in todo}
-        waiting = set(futures)
+        futures = {pool.submit(spec, folder): spec for spec in todo}
+        waiting, trouble = set(futures), ""
         while waiting:
             done, waiting = wait(waiting, timeout=1.0, return_when=FIRST_COMPLETED)
             for future in done:
                 _finish(future, futures[future], failed, progress, bars)
             for future in waiting:
                 _show(futures[future], progress, bars)
+            if waiting and trouble != (trouble := pool.trouble()):
+                _print(progress.console, trouble or "going on")
             fractions = [progress.tasks[bar].completed for bar in bars.values()]
             progress.update(whole, completed=sum(fractions))
     return failed
 
 
+def _set_aside(missing: list[tuple[RunSpec, str]], folder: Path, console: Console) -> None:
+    """Make place for the runs whose files are not usable, and say so."""
+    for spec, why in missing:
+        if why != NOT_COMPUTED and (aside := set_aside(spec, folder)):
+            _print(console, f"{why}; it is now {aside.name}, and computed anew")
+
+
 def _finish(future: Future, spec: RunSpec, failed: dict[str, str], progress: Progress, bars: dict[str, TaskID]) -> None:
-    error = future.exception()
+    try:
+        error = future.exception()
+    except CancelledError as gone:
+        raise BadInput(GONE) from gone
+    if isinstance(error, UnfitWorker):
+        raise error
     if error is not None:
-        failed[spec.hash] = f"failed: {type(error).__name__}: {' '.join(str(error).split())[:200]}"
-        progress.console.print(f"{spec.label}: {failed[spec.hash]}", style="red")
+        name = "" if isinstance(error, (BadInput, RunFailed)) else f"{type(error).__name__}: "
+        failed[spec.hash] = f"failed: {name}{' '.join(str(error).split())[:200]}"
+        _print(progress.console, f"{spec.label}: {failed[spec.hash]}")
     progress.update(bars[spec.hash], completed=1.0, visible=False)
+
+
+def _print(console: Console, line: str) -> None:
+    console.print(line, style="red", soft_wrap=True, markup=False, highlight=False)
 
 
 def _show(spec: RunSpec, progress: Progress, bars: dict[str, TaskID]) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from collections import Counter
 from statistics import median
 from typing import Any
 
@@ -17,12 +16,13 @@ from move.paths import results
 from move.sim.demonstrations import Demonstrations
 from move.sim.scene.scene import Scene
 from move.study.profiles import Profile
-from move.study.results import Result, split
+from move.study.results import NOT_COMPUTED, Result, split
 from move.study.spec import PolicyRun, RunSpec
 
 CONTROL_MINUTES = 0.05
 TRIAL_MINUTES = 2.5  # to collect again and try a policy that is there, from pixels
 MEASURED_STEPS = 3
+SHOWN = 3  # unusable files that are named
 
 
 def plan_rows(profile: Profile, figures: dict[str, list[RunSpec]]) -> list[dict[str, Any]]:
@@ -44,16 +44,23 @@ def plan_rows(profile: Profile, figures: dict[str, list[RunSpec]]) -> list[dict[
             hours += (TRIAL_MINUTES if trained else _minutes(spec, there, minutes, profile.image_size)) / 60
             policies.add(spec.policy_hash)
         runs |= set(todo)
-        reasons = Counter(why if why == "not computed yet" else "unusable result" for _, why in missing)
         rows.append({
             "figure": figure,
             "runs": len(specs),
             "stored": len(there),
             "missing": len(missing),
             "hours_left": round(hours, 2),
-            "why": "; ".join(f"{count} {why}" for why, count in reasons.items()) or "complete",
+            "why": _why([why for _, why in missing]),
         })
     return rows
+
+
+def _why(reasons: list[str]) -> str:
+    """Why runs are missing: how many are not computed yet, and which files are not usable, the first ones by name."""
+    unusable = list(dict.fromkeys(why for why in reasons if why != NOT_COMPUTED))
+    parts = [f"{new} {NOT_COMPUTED}"] if (new := reasons.count(NOT_COMPUTED)) else []
+    parts += unusable[:SHOWN] + ([f"{len(unusable) - SHOWN} more not usable"] if len(unusable) > SHOWN else [])
+    return "; ".join(parts) or "complete"
 
 
 def plan_title(profile: Profile) -> str:

@@ -29,7 +29,7 @@ def trained_policy(spec: RunSpec, profile: Profile) -> DiffusionPolicy:
     """
     for folder in (_shipped(spec, profile), _trained_here(spec)):
         if (folder / "run.json").exists():
-            return load_policy(folder)
+            return load_policy(folder, task=spec.task)
     raise BadInput(f"{spec.label}: its policy is not shipped; delete {paths.results(profile) / spec.hash}.json and "
                    "give `move run` again to train it here")
 
@@ -43,5 +43,6 @@ def ship(spec: RunSpec, profile: Profile) -> Path:
     saved = read(_trained_here(spec))
     if saved is None or not saved.finished:
         raise BadInput(f"{spec.label}: no finished policy in {_trained_here(spec)}")
-    shutil.copytree(_trained_here(spec), _shipped(spec, profile), dirs_exist_ok=True)
+    shutil.copytree(_trained_here(spec), _shipped(spec, profile), dirs_exist_ok=True,
+                    ignore=shutil.ignore_patterns("lock", "*.part"))
     return _shipped(spec, profile)

@@ -1,8 +1,8 @@
 """Stored results: one JSON file a run, written whole or not at all, with where it came from.
 
 A result holds its spec, one row an episode, the collection's record, the training curve, timings and provenance, and
-a digest of all that. A file that cannot be read, or does not fit its digest or the spec asked for, is never a number:
-it is named, and the run counts as missing.
+a digest of all that. A file that cannot be read, or does not fit its digest, the spec asked for or what such a run
+holds (`stored.py`), is never a number: it is named, and the run counts as missing.
 """
 
 from __future__ import annotations
@@ -10,16 +10,25 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import platform
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from itertools import count
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
+import psutil
 from pydantic import ValidationError
 
 from move.errors import BadInput
 from move.study.labels import Label
 from move.study.spec import RunSpec, run_spec_from_json
+from move.study.stored import refuse_other_content
+from move.validation import first_problem
+
+NOT_COMPUTED = "not computed yet"
+LARGEST = 50_000_000  # bytes of a result's file; real ones have some ten thousand
 
 
 @dataclass(frozen=True)
@@ -58,14 +67,32 @@ def store(result: Result, folder: Path) -> Path:
     content = json.loads(json.dumps(content))
     content["digest"] = _digest(content)
     path = folder / f"{result.spec.hash}.json"
+    beside = folder / f"{result.spec.hash}.{platform.node()}.{os.getpid()}.part"
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        beside = path.with_suffix(f".{os.getpid()}.part")
         beside.write_text(json.dumps(content, sort_keys=True) + "\n")
         os.replace(beside, path)
     except OSError as error:
         raise BadInput(f"results: cannot write {path}: {error.strerror}; a writable folder is needed") from error
+    finally:
+        _remove(beside)
     return path
+
+
+def _remove(path: Path) -> None:
+    try:
+        path.unlink(missing_ok=True)
+    except OSError:  # a folder that cannot be written: nothing was
+        pass
+
+
+def remove_leftovers(folder: Path) -> None:
+    """Delete what processes of this machine that died while they stored a result have left."""
+    for path in folder.glob("*.part"):
+        _, *node, process, _ = path.name.split(".") if path.name.count(".") > 1 else ("", "", "", "")
+        here = ".".join(node) in ("", platform.node())
+        if here and process.isdigit() and not psutil.pid_exists(int(process)):
+            _remove(path)
 
 
 def check_writable(folder: Path) -> None:
@@ -93,18 +120,63 @@ def load(spec: RunSpec, folder: Path) -> Result | None:
     if not path.exists():
         return None
     try:
-        content = json.loads(path.read_text())
-        if content.pop("digest", None) != _digest(content):
-            raise ValueError("its content does not fit its digest")
-        content["spec"] = run_spec_from_json(json.dumps(content["spec"]))
-        if content["spec"] != spec:
+        content = read_content(path)
+        stored = run_spec_from_json(json.dumps(content["spec"]))
+        if stored != spec:
             raise ValueError("it holds another spec")
-        columns = content["rows"]
-        content["rows"] = [dict(zip(columns, values, strict=True)) for values in zip(*columns.values(), strict=True)]
-        return Result(**content)
-    except (OSError, ValueError, TypeError, KeyError, ValidationError) as error:
-        reason = " ".join(str(error).split())[:200]
-        raise BadInput(f"result {path} is not usable: {reason}; it will be computed anew") from error
+        refuse_other_content(content, spec)
+    except (OSError, ValueError, TypeError, KeyError, RecursionError) as error:
+        raise BadInput(f"result {path} is not usable: {reason_of(error)}") from error
+    columns = content.pop("rows")
+    rows = [dict(zip(columns, values, strict=True)) for values in zip(*columns.values(), strict=True)]
+    return Result(**{**content, "spec": stored, "rows": rows})
+
+
+def read_content(path: Path) -> dict[str, Any]:
+    """The content of a result's file without its digest.
+
+    Raises:
+        OSError, ValueError, RecursionError: no such file, not JSON, or not what its digest says.
+    """
+    if not path.is_file():
+        raise ValueError("it is no file")
+    if (size := path.stat().st_size) > LARGEST:
+        raise ValueError(f"{size} bytes; a result has at most {LARGEST}")
+    content = json.loads(path.read_text())
+    if not isinstance(content, dict):
+        raise ValueError("it is JSON, but no object")
+    if content.pop("digest", None) != _digest(content):
+        raise ValueError("its content does not fit its digest")
+    return content
+
+
+def reason_of(error: Exception) -> str:
+    """Why a file could not be read, in one short line."""
+    if isinstance(error, ValidationError):
+        return first_problem(error)[:200]
+    if isinstance(error, RecursionError):
+        return "it is nested too deeply"
+    if isinstance(error, KeyError):
+        return f"it has no {error}"
+    return " ".join(str(error).split())[:200]
+
+
+def set_aside(spec: RunSpec, folder: Path) -> Path | None:
+    """Rename what stands in the place of the result of `spec` and is not that result; None where nothing does."""
+    try:
+        load(spec, folder)
+        return None
+    except BadInput:
+        path = folder / f"{spec.hash}.json"
+        names = (path.with_suffix(f".{number}.bad" if number else ".bad") for number in count())
+        aside = next(name for name in names if not name.exists())
+    try:
+        path.rename(aside)
+    except FileNotFoundError:  # another process was faster
+        return None
+    except OSError as error:
+        raise BadInput(f"results: cannot rename {path}: {error.strerror}; a writable folder is needed") from error
+    return aside
 
 
 def split(specs: list[RunSpec], folder: Path) -> tuple[list[Result], list[tuple[RunSpec, str]]]:
@@ -117,10 +189,18 @@ def split(specs: list[RunSpec], folder: Path) -> tuple[list[Result], list[tuple[
             missing.append((spec, str(problem)))
             continue
         if result is None:
-            missing.append((spec, "not computed yet"))
+            missing.append((spec, NOT_COMPUTED))
         else:
             there.append(result)
     return there, missing
+
+
+def missing_in_words(missing: list[tuple[RunSpec, str]], shown: int = 3) -> str:
+    """The first runs that are missing, each with the reason if it is an unusable file, and how many more there are."""
+    named = sorted(missing, key=lambda run: run[1] == NOT_COMPUTED)[:shown]
+    words = [spec.label if why == NOT_COMPUTED else f"{spec.label} ({why})" for spec, why in named]
+    words += [f"{len(missing) - shown} more"] if len(missing) > shown else []
+    return ", ".join(words)
 
 
 def table(results: list[Result]) -> pd.DataFrame:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import os
 import shutil
+import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import asdict
 from itertools import islice
 from pathlib import Path
@@ -15,6 +17,7 @@ from filelock import FileLock
 
 from move.errors import BadInput
 from move.learn.agents import CONTROLS, Agent, PolicyAgent
+from move.learn.checkpoint import UnusableCheckpoint
 from move.learn.diffusion import DiffusionPolicy
 from move.learn.evaluate import evaluate
 from move.learn.train import TrainingReport, train
@@ -26,8 +29,10 @@ from move.sim.motion.adc import Jumping
 from move.sim.observe import KEYPOINTS, ObservationSpec
 from move.sim.tasks import get_task
 from move.study.provenance import provenance
-from move.study.results import Result, store
+from move.study.results import Result, load, store
 from move.study.spec import CollectionRun, ControlRun, PolicyRun, RunSpec
+
+_UNDER_WAY = threading.Lock()  # held by the run of this process
 
 OnProgress = Callable[[str, int, int], None]
 """Called with the part of the run, what is done of it and how much there is."""
@@ -41,7 +46,27 @@ def run(
     Policies train and act on the GPU where there is one. Checkpoints go to `scratch`, by default build/runs/; runs that
     differ in their evaluation alone share one training there, whose time counts in the result of each. Demonstrations
     are not kept: the spec and the seed make the same ones again.
+
+    Raises:
+        BadInput: another thread of this process computes a run, whose simulator it would share; the scratch or the
+            results folder cannot be written; training diverged.
     """
+    with _alone():
+        return _run(spec, folder, on_progress, scratch)
+
+
+@contextmanager
+def _alone() -> Iterator[None]:
+    """Hold the simulator, of which there is one a process."""
+    if not _UNDER_WAY.acquire(blocking=False):
+        raise BadInput("run: another run is under way in this process; allowed is one, and others in other processes")
+    try:
+        yield
+    finally:
+        _UNDER_WAY.release()
+
+
+def _run(spec: RunSpec, folder: Path, on_progress: OnProgress | None, scratch: Path | None) -> Result:
     one_thread()
     report = on_progress or (lambda part, done, total: None)
     seconds: dict[str, float] = {}
@@ -106,21 +131,40 @@ def _learn(
 
     def go_on() -> tuple[DiffusionPolicy, TrainingReport]:
         return train(demonstrations, spec.training, spec.seed, checkpoint=checkpoint, device=best_device(),
-                     on_step=lambda done, total, loss: report("train", done, total))
+                     task=spec.task, on_step=lambda done, total, loss: report("train", done, total))
 
     place.mkdir(parents=True, exist_ok=True)
     with FileLock(place / "lock"):  # whoever else tries this policy waits, and finds it trained
         try:
             policy, trained = go_on()
-        except BadInput:  # the scratch folder holds another version's checkpoint, or a damaged one: begin anew
-            shutil.rmtree(checkpoint)
+        except UnusableCheckpoint:  # another version's or a damaged one: begin anew
+            _set_aside(checkpoint)
             policy, trained = go_on()
     seconds["train"] = trained.seconds
     return policy, record, trained
 
 
+def _set_aside(checkpoint: Path) -> None:
+    """Rename a checkpoint that cannot be used; of several the last one is kept."""
+    aside = checkpoint.with_name(f"{checkpoint.name}.bad")
+    shutil.rmtree(aside, ignore_errors=True)
+    checkpoint.rename(aside)
+
+
+def _is_stored(spec: RunSpec, folder: Path) -> bool:
+    try:
+        return load(spec, folder) is not None
+    except BadInput:
+        return False
+
+
 def run_and_report(spec: RunSpec, folder: Path) -> str:
-    """`run` for a worker process: progress goes to a small file that the parent reads; returns the hash."""
+    """`run` for a worker process, unless it is stored already; returns the hash.
+
+    Progress goes to a small file that the parent reads.
+    """
+    if _is_stored(spec, folder):
+        return spec.hash
     place = RUNS / spec.hash
     place.mkdir(parents=True, exist_ok=True)
     last = 0.0

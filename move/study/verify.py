@@ -15,7 +15,7 @@ import numpy as np
 from move.errors import BadInput
 from move.intervals import wilson_interval
 from move.study import run as running
-from move.study.results import Result, load, split
+from move.study.results import NOT_COMPUTED, Result, load, read_content, reason_of, split
 from move.study.spec import PolicyRun, RunSpec, run_spec_from_json
 
 LIKE = ("processor", "accelerator", "gl_renderer")  # of the provenance: where these differ, so may single episodes
@@ -33,15 +33,24 @@ def verify(specs: list[RunSpec], folder: Path, sample: int, rng: np.random.Gener
     """Recompute a drawn sample of the stored results from nothing; one row each, `same` says how it came out.
 
     On the same processor, accelerator, GL renderer and precision every row has to be the same. Elsewhere rounding
-    differs, and the recomputed rate has to lie in the stored rate's 95 % interval.
+    differs, and the recomputed rate has to lie in the stored rate's 95 % interval. A file that is not usable has a row
+    of its own.
 
     Raises:
         BadInput: no stored result.
     """
-    there, _ = split(specs, folder)
-    if not there:
+    there, missing = split(specs, folder)
+    unusable = {spec.hash: (spec, why) for spec, why in missing if why != NOT_COMPUTED}
+    if not there and not unusable:
         raise BadInput(f"verify: no stored result in {folder}; run `move run` first")
-    return [_recompute(stored) for stored in draw_sample(there, sample, rng)]
+    rows = [_row(spec, False, "not at all", difference=why) for spec, why in unusable.values()]
+    return rows + [_recompute(stored) for stored in draw_sample(there, sample, rng)]
+
+
+def _row(spec: RunSpec, same: bool, judged: str, stored_rate: float | None = None, recomputed_rate: float | None = None,
+         difference: str | None = None) -> dict[str, Any]:
+    return {"run": spec.label, "hash": spec.hash, "same": same, "judged": judged, "stored_rate": stored_rate,
+            "recomputed_rate": recomputed_rate, "difference": difference or "none"}
 
 
 def _recompute(stored: Result) -> dict[str, Any]:
@@ -54,8 +63,7 @@ def _recompute(stored: Result) -> dict[str, Any]:
         same, judged = low <= again.rate <= high, f"by rate and interval [{low:.3f}, {high:.3f}]: other {other}"
     else:
         same, judged = different is None, "row by row"
-    return {"run": stored.spec.label, "hash": stored.spec.hash, "same": same, "judged": judged,
-            "stored_rate": stored.rate, "recomputed_rate": again.rate, "difference": different or "none"}
+    return _row(stored.spec, same, judged, stored.rate, again.rate, different)
 
 
 def _elsewhere(stored: Result, again: Result) -> str:
@@ -82,7 +90,7 @@ def first_difference(before: list[dict], after: list[dict]) -> str | None:
 
 
 def check_files(folder: Path) -> list[dict[str, Any]]:
-    """One row a stored file of `folder`: whether it fits its digest, and its spec the hash that it is named after.
+    """One row a stored file of `folder`: whether it fits its digest and its spec, which has the hash of its name.
 
     Raises:
         BadInput: no stored result.
@@ -95,10 +103,10 @@ def check_files(folder: Path) -> list[dict[str, Any]]:
 
 def _check(path: Path) -> dict[str, Any]:
     try:
-        spec = run_spec_from_json(json.dumps(json.loads(path.read_text())["spec"]))
+        spec = run_spec_from_json(json.dumps(read_content(path)["spec"]))
         if spec.hash != path.stem:
             raise BadInput(f"its spec has the hash {spec.hash}")
         load(spec, path.parent)
-    except (BadInput, OSError, ValueError, TypeError, KeyError) as problem:
-        return {"same": False, "difference": " ".join(str(problem).split())[:200]}
+    except (OSError, ValueError, TypeError, KeyError, RecursionError) as problem:
+        return {"same": False, "difference": reason_of(problem)}
     return {"same": True, "difference": "none"}

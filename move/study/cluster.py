@@ -1,0 +1,114 @@
+"""Runs on a Dask cluster whose workers share the results folder.
+
+A worker has as many threads as its machine has cores; each of them computes in a process of its own (`processes.py`),
+because two runs in one process would share a simulator.
+"""
+
+from __future__ import annotations
+
+import logging
+import time
+from collections.abc import Iterator
+from concurrent.futures import Future
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+from uuid import uuid4
+
+from move.errors import BadInput
+from move.study.processes import Processes
+from move.study.spec import RunSpec
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+PATIENCE = 3.0  # seconds that a worker may take to join before one is told that there is none
+GONE = "cluster: the scheduler is gone; what is stored stays, and the same command goes on with another"
+_HERE = Processes()  # of this worker
+
+
+class UnfitWorker(BadInput):
+    """A worker that cannot store what it would compute."""
+
+
+class Cluster:
+    """The workers of a scheduler, and the token by which they know the results folder."""
+
+    def __init__(self, client: Client, address: str, folder: Path) -> None:
+        self.client, self.executor, self.address = client, client.get_executor(pure=False), address
+        self.token = folder / f".{uuid4().hex}.probe"
+        self.seen = time.monotonic()  # when there was a worker
+
+    def submit(self, spec: RunSpec, folder: Path) -> Future:
+        """Compute and store a run on whichever worker is free."""
+        return self.executor.submit(_compute, spec, folder, self.token)
+
+    def trouble(self) -> str:
+        """That no worker is there, if so for some seconds.
+
+        Raises:
+            BadInput: the scheduler is not there either.
+        """
+        try:
+            if self.client.nthreads():
+                self.seen = time.monotonic()
+        except OSError as error:
+            raise BadInput(GONE) from error
+        return "" if time.monotonic() - self.seen < PATIENCE else f"{self.address} has no workers; waiting for one"
+
+    def refuse_unfit_workers(self) -> None:
+        """Try on each worker whether it can store a result, before it computes any.
+
+        Raises:
+            BadInput: one of them cannot.
+        """
+        answers = self.client.run(_problem, self.token, on_error="return")
+        for address, problem in answers.items():
+            if problem is not None:
+                raise UnfitWorker(f"cluster: the worker {address}: {problem}")
+
+
+@contextmanager
+def dask_cluster(address: str, folder: Path) -> Iterator[Cluster]:
+    """A cluster that shares `folder`; what it has not begun is cancelled at the end of the block.
+
+    Raises:
+        BadInput: no scheduler answers at the address, or a worker cannot write to the folder.
+    """
+    from distributed import Client
+
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what goes wrong is said here, in one line
+    try:
+        client = Client(address, timeout=10)
+    except (OSError, ValueError) as error:
+        raise BadInput(f"cluster: no Dask scheduler at {address} ({error}); start one with `dask scheduler`") from error
+    cluster = Cluster(client, address, folder)
+    try:
+        cluster.token.touch()
+        cluster.refuse_unfit_workers()
+        yield cluster
+    finally:
+        cluster.token.unlink(missing_ok=True)
+        if client.status == "running":
+            cluster.executor.shutdown(wait=False)
+        client.close(timeout=1)
+
+
+def _problem(token: Path) -> str | None:
+    """On a worker: why it cannot store results beside the token, in one line."""
+    if not token.exists():
+        return f"it does not share the folder {token.parent}; allowed are workers that do"
+    probe = token.with_suffix(f".{uuid4().hex}.probe")
+    try:
+        probe.touch()
+        probe.unlink()
+    except OSError as error:
+        return f"it cannot write to {token.parent}: {error.strerror}; allowed are workers that can"
+    return None
+
+
+def _compute(spec: RunSpec, folder: Path, token: Path) -> str:
+    """On a worker: compute and store a run in the process of this thread."""
+    if problem := _problem(token):
+        raise UnfitWorker(f"cluster: a worker: {problem}")
+    return _HERE.compute(spec, folder)

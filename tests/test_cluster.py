@@ -1,0 +1,127 @@
+"""A real Dask scheduler and workers: the numbers are those of no cluster, and what goes wrong is one line."""
+
+import contextlib
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import pytest
+from distributed import LocalCluster
+
+from move.errors import BadInput
+from move.study import cluster, execute, experiments, results, run
+from move.study.kinds import collector_run
+from move.study.profiles import load_profile
+
+SMOKE = load_profile("smoke")
+LONG = [collector_run(SMOKE, task="hammer", method="move", attempts=300, seed=seed) for seed in range(4)]
+
+
+@contextlib.contextmanager
+def two_threads(workers: int = 1):
+    """The address of a scheduler whose workers have two threads each, as a plain `dask worker` on this machine has."""
+    with LocalCluster(n_workers=workers, threads_per_worker=2, processes=False, protocol="tcp://",
+                      dashboard_address=None) as local:
+        try:
+            yield local.scheduler_address
+        finally:
+            cluster._HERE.end()  # else the block waits for what it is computing
+            cluster._HERE = cluster.Processes()
+
+
+def content(result: results.Result) -> tuple:
+    """What any machine gives."""
+    return result.spec, result.rows, result.collection, result.training and result.training["curve"]
+
+
+def assert_equal_to_no_cluster(specs, folder):
+    with two_threads() as address:
+        found, missing = execute.execute(specs, folder / "cluster", address, quiet=True)
+    assert not missing and len(found) == len(specs)
+    for result in found:
+        assert content(result) == content(run.run(result.spec, folder / "here"))
+    assert {path.name for path in (folder / "cluster").iterdir()} == {f"{spec.hash}.json" for spec in specs}
+
+
+def test_a_worker_with_two_threads_gives_what_no_cluster_gives(tmp_path):
+    assert_equal_to_no_cluster(experiments.specs("table6_collection", SMOKE)[:4], tmp_path)
+
+
+@pytest.mark.slow
+def test_a_worker_with_two_threads_gives_all_of_table_6_as_no_cluster_does(tmp_path):
+    """When two runs shared a process, 10 to 15 of these 60 came out wrong."""
+    specs = experiments.specs("table6_collection", SMOKE)
+    assert len(specs) == 60
+    assert_equal_to_no_cluster(specs, tmp_path)
+
+
+@contextlib.contextmanager
+def interrupted(seconds: float):
+    """Ctrl-C after so many seconds; it has to end the block within three more."""
+    timer = threading.Timer(seconds, os.kill, (os.getpid(), signal.SIGINT))
+    timer.start()
+    started = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        yield
+    timer.cancel()
+    assert seconds <= time.monotonic() - started < seconds + 3
+
+
+def test_without_workers_one_is_told_and_ctrl_c_ends_it(tmp_path, capfd, monkeypatch):
+    monkeypatch.setattr(cluster, "PATIENCE", 0.5)
+    with two_threads(workers=0) as address, interrupted(3):
+        execute.execute(LONG, tmp_path, address, quiet=True)
+    assert capfd.readouterr().err == f"{address} has no workers; waiting for one\n"
+
+
+def test_ctrl_c_ends_a_cluster_at_once_and_nothing_more_is_begun(tmp_path):
+    with two_threads() as address:
+        with interrupted(4):
+            execute.execute(LONG, tmp_path, address, quiet=True)
+        assert not list(tmp_path.iterdir())  # no token either
+
+
+def test_ctrl_c_ends_local_runs_at_once(tmp_path):
+    with interrupted(3):
+        execute.execute(LONG, tmp_path, workers=2, quiet=True)
+
+
+def test_a_scheduler_that_dies_is_one_line(tmp_path):
+    port = str(20_000 + os.getpid() % 20_000)
+    command = [sys.executable, "-m", "distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", port,
+               "--no-dashboard"]
+    scheduler = subprocess.Popen(command, stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
+    timer = threading.Timer(3, scheduler.kill)
+
+    def submitted(pool, *arguments):
+        timer.start()
+        return run_all(pool, *arguments)
+
+    with pytest.MonkeyPatch.context() as patch, pytest.raises(BadInput, match="the scheduler is gone") as problem:
+        run_all = execute._run_all
+        patch.setattr(execute, "_run_all", submitted)
+        execute.execute(LONG, tmp_path, f"tcp://127.0.0.1:{port}", quiet=True)
+    scheduler.wait()
+    assert "\n" not in str(problem.value)
+
+
+@pytest.mark.parametrize("when", ["at the start", "later"])
+def test_a_worker_that_does_not_share_the_folder_is_refused_before_any_run(tmp_path, monkeypatch, when):
+    if when == "later":
+        monkeypatch.setattr(cluster.Cluster, "refuse_unfit_workers", lambda self: None)
+    monkeypatch.setattr(Path, "touch", lambda path: None)  # so that the token is nowhere
+    monkeypatch.setattr(execute, "check_writable", lambda folder: None)
+    with two_threads() as address, pytest.raises(BadInput, match="worker.*: it does not share the folder") as problem:
+        execute.execute(LONG, tmp_path, address, quiet=True)
+    assert "\n" not in str(problem.value)
+
+
+def test_what_a_worker_says_of_a_folder(tmp_path):
+    (tmp_path / "token").touch()
+    assert cluster._problem(tmp_path / "token") is None and [*tmp_path.iterdir()] == [tmp_path / "token"]
+    assert "does not share the folder" in cluster._problem(tmp_path / "elsewhere" / "token")
+    assert "cannot write to /proc/self" in cluster._problem(Path("/proc/self/status"))

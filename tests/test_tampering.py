@@ -1,0 +1,255 @@
+"""Whatever somebody does to one result's file: it is named with the reason, computed anew, and never a number."""
+
+import json
+import os
+import re
+
+import pytest
+import recipes
+
+from move import paths
+from move.errors import BadInput
+from move.learn.evaluate import Evaluation
+from move.report import page
+from move.sim.collect import Collection
+from move.study import execute, plan, results, run, verify
+from move.study.labels import LabelledRun
+from move.study.profiles import load_profile
+from move.study.spec import PolicyRun
+
+TINY = recipes.keypoints(gradient_steps=3, warmup_steps=1, batch_size=8)
+
+
+def spec(seed: int = 0) -> PolicyRun:
+    return PolicyRun(task="pick-place", seed=seed, training=TINY, evaluation=Evaluation(episodes=4),
+                   collection=Collection(task="pick-place", method="static", timesteps=100))
+
+
+@pytest.fixture(scope="module")
+def honest(tmp_path_factory):
+    """The text of the files of two results that were computed here."""
+    folder = tmp_path_factory.mktemp("honest")
+    return [results.store(run.run(spec(seed), folder, scratch=folder / "runs"), folder).read_text() for seed in (0, 1)]
+
+
+def replaced(old: str, new: str):
+    """An edit of the text, which has to change it."""
+    def change(text: str, path, other: str) -> str:
+        assert old in text
+        return text.replace(old, new, 1)
+    return change
+
+
+def whole(new: str):
+    return lambda text, path, other: new
+
+
+def edited(change):
+    """A change of the content whose digest is left as it was."""
+    def with_old_digest(text: str, path, other: str) -> str:
+        content = json.loads(text)
+        change(content)
+        return json.dumps(content)
+    return with_old_digest
+
+
+def forged(change):
+    """A change of the content under a digest that fits."""
+    def with_new_digest(text: str, path, other: str) -> str:
+        content = json.loads(text)
+        change(content)
+        content["digest"] = results._digest(content)
+        return json.dumps(content)
+    return with_new_digest
+
+
+def rows(**columns):
+    """Columns changed by functions; None takes a column away."""
+    def change(content):
+        for name, make in columns.items():
+            old = content["rows"].pop(name)
+            if make is not None:
+                content["rows"][name] = make(old)
+    return change
+
+
+def each_row(make):
+    return lambda content: content.update(rows={name: make(column) for name, column in content["rows"].items()})
+
+
+def as_a_link(to_other: bool):
+    def change(text: str, path, other: str) -> None:
+        path.unlink(missing_ok=True)
+        target = path.with_name("elsewhere")
+        target.write_text(other if to_other else text)
+        path.symlink_to(target)
+    return change
+
+
+def as_a_folder(text: str, path, other: str) -> None:
+    path.unlink(missing_ok=True)
+    path.mkdir()
+    (path / "inside").write_text("kept")
+
+
+def as_a_pipe(text: str, path, other: str) -> None:
+    path.unlink(missing_ok=True)
+    os.mkfifo(path)
+
+
+DIGEST, NO_OBJECT = "does not fit its digest", "it is JSON, but no object"
+FLIP = {"success": lambda old: [not old[0], *old[1:]]}
+TAMPERED = [  # what is done, the reason that is told, None where the file stays usable
+    ("outcome flipped", edited(rows(**FLIP)), DIGEST),
+    ("a digit changed", replaced('"steps": [200', '"steps": [199'), DIGEST),
+    ("seconds", edited(lambda c: c["seconds"].update(train=1.0)), DIGEST),
+    ("provenance", edited(lambda c: c["provenance"].update(processor="Z80")), DIGEST),
+    ("commit", edited(lambda c: c["provenance"].update(commit="0" * 40)), DIGEST),
+    ("curve", edited(lambda c: c["training"]["curve"].reverse()), DIGEST),
+    ("collection", edited(lambda c: c["collection"].update(demonstrations=9)), DIGEST),
+    ("spec", edited(lambda c: c["spec"].update(seed=7)), DIGEST),
+    ("names of two columns swapped", edited(lambda c: c["rows"].update(steps=c["rows"]["success_steps"])), DIGEST),
+    ("a row dropped", edited(each_row(lambda column: column[1:])), DIGEST),
+    ("no digest", edited(lambda c: c.pop("digest")), DIGEST),
+    ("another's digest", edited(lambda c: c.update(digest="0" * 64)), DIGEST),
+    ("cut in the middle", lambda text, path, other: text[: len(text) // 2], "line 1 column"),
+    ("no bytes", whole(""), "Expecting value"),
+    ("zero bytes", whole("\0" * 500), "Expecting value"),
+    ("not text", lambda text, path, other: path.write_bytes(b"\xff\xfe\xfa") and None, "codec"),
+    ("null", whole("null"), NO_OBJECT),
+    ("a number", whole("5"), NO_OBJECT),
+    ("a string", whole('"abc"'), NO_OBJECT),
+    ("a list", whole("[]"), NO_OBJECT),
+    ("an empty object", whole("{}"), DIGEST),
+    ("deep nesting", whole("[" * 200_000), "nested too deeply"),
+    ("a huge number", replaced('"seed": 0', f'"seed": 1{"0" * 6000}'), "limit"),
+    ("no number", replaced('"steps": [200', '"steps": [NaN'), DIGEST),
+    ("an infinite number", replaced('"steps": [200', '"steps": [1e400'), DIGEST),
+    ("a copy under another name", lambda text, path, other: other, "holds another spec"),
+    ("a link to another result", as_a_link(True), "holds another spec"),
+    ("a folder", as_a_folder, "it is no file"),
+    ("a pipe", as_a_pipe, "it is no file"),
+    ("a link to a good copy", as_a_link(False), None),
+    ("other white space", lambda text, path, other: json.dumps(json.loads(text), indent=3), None),
+    ("a key twice, the last as it was", replaced('{"collection"', '{"digest": "x", "collection"'), None),
+    ("forged: outcome flipped", forged(rows(**FLIP)), "success does not fit success_steps"),
+    ("forged: half the rows", forged(each_row(lambda column: column[:2])), "this run has 4"),
+    ("forged: a row twice", forged(each_row(lambda column: [*column[:3], column[2]])), "trial is not 0, 1, 2"),
+    ("forged: no rows", forged(each_row(lambda column: [])), "this run has 4"),
+    ("forged: no columns", forged(lambda c: c.update(rows={})), "rows.trial: .*field required"),
+    ("forged: no group", forged(rows(group=None)), "rows.group: .*field required"),
+    ("forged: rows a list", forged(lambda c: c.update(rows=[])), "rows: .*object"),
+    ("forged: success text", forged(rows(success=lambda old: ["yes", *old[1:]])), "rows.success.0: .*boolean"),
+    ("forged: success a number", forged(rows(success=lambda old: [1e9, *old[1:]])), "rows.success.0: .*boolean"),
+    ("forged: NaN", forged(rows(object_x=lambda old: [float("nan"), *old[1:]])), "rows.object_x.0: .*finite"),
+    ("forged: steps beyond the episode", forged(rows(steps=lambda old: [201, *old[1:]])), "rows.steps.0: .*200"),
+    ("forged: seconds text", forged(lambda c: c["seconds"].update(train="fast")), "seconds.train: .*number"),
+    ("forged: no processor", forged(lambda c: c["provenance"].pop("processor")), "provenance.processor: .*required"),
+    ("forged: no provenance", forged(lambda c: c.pop("provenance")), "provenance: .*required"),
+    ("forged: no training", forged(lambda c: c.update(training=None)), "training: not as a policy's"),
+    ("forged: spec", forged(lambda c: c["spec"].update(seed=7)), "holds another spec"),
+    ("forged: seconds that could be", forged(lambda c: c["seconds"].update(train=1.0)), None),  # `verify` cannot know
+    ("forged: outcome and its steps", forged(rows(**FLIP, success_steps=lambda old: [10, *old[1:]])), None),
+]
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """A results folder of the profile, and build/ elsewhere."""
+    for module in (paths, plan, page.paths):
+        monkeypatch.setattr(module, "results", lambda profile: tmp_path / "results")
+    monkeypatch.setattr(run, "RUNS", tmp_path / "runs")
+    (tmp_path / "results").mkdir()
+    return tmp_path / "results"
+
+
+def tamper(change, honest, folder):
+    """The first result, tampered with, and the second as it is; the file of the first."""
+    path, beside = (folder / f"{spec(seed).hash}.json" for seed in (0, 1))
+    beside.write_text(honest[1])
+    path.write_text(honest[0])
+    text = change(honest[0], path, honest[1])
+    if text is not None:
+        path.write_text(text)
+    return path
+
+
+@pytest.mark.parametrize(("change", "reason"), [row[1:] for row in TAMPERED], ids=[row[0] for row in TAMPERED])
+def test_one_bad_file_is_one_bad_file(honest, folder, change, reason, monkeypatch):
+    path, profile = tamper(change, honest, folder), load_profile("smoke")
+    specs = [spec(0), spec(1)]
+    there, missing = results.split(specs, folder)
+    (row,) = plan.plan_rows(profile, {"figure": specs})
+    checked = {line["file"]: line for line in verify.check_files(folder)}
+    monkeypatch.setenv("MOVE_STORED_ONLY", "1")
+    drawn = page.gather([LabelledRun(one, {}) for one in specs], profile)
+    if reason is None:
+        assert len(there) == 2 and row["why"] == "complete" and checked[path.name]["same"]
+        assert "MISSING" not in drawn.source
+        return
+    assert [result.spec for result in there] == [specs[1]] == [result.spec for result in drawn.results]
+    for told in (missing[0][1], row["why"], drawn.source):
+        assert re.search(f"{path} is not usable: .*{reason}", told) and "\n" not in told
+    told = checked[path.name]
+    assert not told["same"] and re.search(f"{reason}|has the hash", told["difference"])
+    assert checked[f"{specs[1].hash}.json"]["same"]
+
+
+def test_verify_has_a_row_for_an_unusable_file(honest, folder, monkeypatch):
+    path = tamper(whole("null"), honest, folder)
+    monkeypatch.setattr(verify, "draw_sample", lambda *arguments: [])
+    (row,) = verify.verify([spec(0), spec(1), spec(2)], folder, 1, None)
+    assert not row["same"] and str(path) in row["difference"] and NO_OBJECT in row["difference"]
+
+
+@pytest.mark.parametrize("change", [whole("null"), as_a_folder, as_a_pipe])
+def test_run_sets_a_bad_file_aside_and_computes_anew(honest, folder, change, monkeypatch, capfd):
+    from test_study import Here
+
+    monkeypatch.setattr(execute, "process_pool", lambda workers: Here())
+    path = tamper(change, honest, folder)
+    path.with_suffix(".bad").write_text("an older one")
+    there, missing = execute.execute([spec(0), spec(1)], folder, quiet=True)
+    assert len(there) == 2 and not missing
+    assert json.loads(path.read_text())["rows"] == json.loads(honest[0])["rows"]
+    aside = path.with_suffix(".1.bad")
+    assert aside.exists() and path.with_suffix(".bad").read_text() == "an older one"
+    told = capfd.readouterr().err
+    assert told.count("\n") == 1 and f"{path} is not usable" in told and aside.name in told
+
+
+def test_what_a_dead_process_left_is_removed_and_what_a_living_one_writes_is_not(tmp_path):
+    dead = 2**22 + 1  # beyond what Linux gives
+    node = results.platform.node()
+    left = [f"abc.{dead}.part", f"abc.{node}.{dead}.part"]
+    kept = [f"abc.{os.getpid()}.part", f"abc.{node}.{os.getpid()}.part", f"abc.elsewhere.{dead}.part", "abc.part"]
+    for name in left + kept:
+        (tmp_path / name).write_text("")
+    results.remove_leftovers(tmp_path)
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted(kept)
+
+
+def test_a_full_disk_is_one_line_and_leaves_nothing(honest, tmp_path, monkeypatch):
+    result = results.load(spec(0), stored(honest[0], tmp_path / "there"))
+
+    def full(self, text):
+        self.touch()
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("pathlib.Path.write_text", full)
+    with pytest.raises(BadInput, match="cannot write .*: No space left on device") as problem:
+        results.store(result, tmp_path / "full")
+    assert "\n" not in str(problem.value) and not list((tmp_path / "full").iterdir())
+
+
+def stored(text, folder):
+    folder.mkdir()
+    (folder / f"{spec(0).hash}.json").write_text(text)
+    return folder
+
+
+def test_missing_runs_are_named_a_few_and_the_bad_ones_first():
+    missing = [(spec(seed), results.NOT_COMPUTED) for seed in range(4)] + [(spec(9), "result x is not usable: y")]
+    words = results.missing_in_words(missing, shown=2)
+    assert words == f"{spec(9).label} (result x is not usable: y), {spec(0).label}, 3 more"
+    assert results.missing_in_words(missing[:1]) == spec(0).label
