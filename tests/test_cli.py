@@ -85,6 +85,8 @@ def test_collect_train_evaluate_by_hand(capsys, tmp_path):
     code, out, _ = move(capsys, "evaluate", policy, "--episodes", "3", "--json")
     evaluated = json.loads(out)
     assert code == 0 and len(evaluated["rows"]) == 3 and evaluated["low"] < evaluated["high"]
+    code, _, err = move(capsys, "evaluate", policy, "--task", "push")
+    assert code == 2 and "learnt 'pick-place'" in err and err.count("\n") == 1
     code, out, _ = move(capsys, "evaluate", "--agent", "expert", "--episodes", "2")
     assert code == 0 and "success_rate" in out
 

@@ -171,3 +171,10 @@ def test_where_the_kernel_does_not_help_a_thread_sees_that_the_parent_is_gone(tm
     parent.kill()
     parent.wait()
     assert psutil.wait_procs([process], timeout=10)[1] == []
+
+
+@pytest.mark.slow
+def test_a_tortured_grid_ends_as_an_undisturbed_one(tmp_path):
+    done = subprocess.run([sys.executable, paths.ROOT / "tools" / "torture.py", "--kills", "5", "--orphans", "5"],
+                          env={**os.environ, "PYTHONPATH": str(paths.ROOT)}, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr

@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import stat
 import subprocess
 
@@ -229,12 +230,30 @@ def test_an_interrupted_run_goes_on_and_ends_the_same(tmp_path, monkeypatch):
     assert run.run(spec, tmp_path / "parts").rows == whole.rows
 
 
-def test_a_damaged_checkpoint_is_not_gone_on_from(tmp_path, stored):
+@pytest.mark.parametrize("damage", ["{", "null", "5", "of another run"])
+def test_a_checkpoint_that_cannot_be_used_is_set_aside_and_the_run_begins_anew(tmp_path, stored, damage):
     result, _ = stored
     scratch = tmp_path / "scratch" / result.spec.policy_hash / "policy"
-    scratch.mkdir(parents=True)
-    (scratch / "run.json").write_text("{")
-    assert run.run(result.spec, tmp_path / "again", scratch=tmp_path / "scratch").rows == result.rows
+    if damage == "of another run":
+        shutil.copytree(tmp_path / "runs" / result.spec.policy_hash / "policy", scratch)
+        record = json.loads((scratch / "run.json").read_text()) | {"seed": 99}
+        (scratch / "run.json").write_text(json.dumps({name: record[name] for name in record if name != "digest"}))
+    else:
+        scratch.mkdir(parents=True)
+        (scratch / "run.json").write_text(damage)
+    for folder in ("again", "and again"):
+        assert run.run(result.spec, tmp_path / folder, scratch=tmp_path / "scratch").rows == result.rows
+    assert (scratch.with_name("policy.bad") / "run.json").exists()
+
+
+def test_a_run_that_diverges_is_not_begun_anew(tmp_path, monkeypatch):
+    steps = []
+    monkeypatch.setattr("move.learn.train.Trainer.take_step", lambda self: steps.append(1) or self.diverge())
+    monkeypatch.setattr("move.learn.train.Trainer.diverge", lambda self: (_ for _ in ()).throw(BadInput("diverged")),
+                        raising=False)
+    with pytest.raises(BadInput, match="diverged"):
+        run.run(tiny_spec(), tmp_path)
+    assert len(steps) == 1
 
 
 def test_runs_that_differ_in_their_evaluation_share_a_training(tmp_path, stored, monkeypatch):

@@ -9,10 +9,13 @@ import numpy as np
 import pytest
 import recipes
 import torch
+from safetensors import SafetensorError
+from safetensors.torch import load_file, save_file
 
 from move.errors import BadInput
+from move.learn import checkpoint
 from move.learn import train as train_module
-from move.learn.checkpoint import load_policy, read
+from move.learn.checkpoint import UnusableCheckpoint, load_policy, read
 from move.learn.diffusion import DiffusionPolicy
 from move.learn.settings import Training
 from move.learn.train import step_generator, train
@@ -231,23 +234,120 @@ def test_a_missing_checkpoint_is_named(tmp_path):
         load_policy(tmp_path / "nowhere")
 
 
-def change_json(path, **changes):
-    path.write_text(json.dumps(json.loads(path.read_text()) | changes))
+def change_tensors(folder, change, digest="kept"):
+    """Edit the tensors by `change`; the digest is kept, made to fit, or taken away as in earlier versions."""
+    path = next(folder.glob("tensors-*"))
+    tensors = load_file(path)
+    change(tensors)
+    save_file(tensors, path)
+    change_record(folder, digest)
 
 
-@pytest.mark.parametrize("damage", [
-    lambda folder: (folder / "tensors-0000006.safetensors").unlink(),
-    lambda folder: (folder / "tensors-0000006.safetensors").write_bytes(b"short"),
-    lambda folder: (folder / "run.json").write_text("{"),
-    lambda folder: change_json(folder / "run.json", format=99),
-    lambda folder: change_json(folder / "run.json", unknown=1),
-    lambda folder: change_json(folder / "run.json", training={"encoder": "keypoints"}),
+def change_record(folder, digest="kept", **changes):
+    record = json.loads((folder / "run.json").read_text()) | changes
+    if digest != "kept":
+        del record["digest"]
+    if digest == "fitting":
+        record["digest"] = checkpoint._digest(record, folder)
+    (folder / "run.json").write_text(json.dumps(record))
+
+
+def flip_a_bit(folder):
+    path = next(folder.glob("tensors-*"))
+    content = bytearray(path.read_bytes())
+    content[-7] ^= 1
+    path.write_bytes(content)
+
+
+NAN = {"averaged/action_limits.scale": torch.full((3,), torch.nan)}
+
+
+@pytest.mark.parametrize(("damage", "reason"), [
+    (lambda folder: (folder / "tensors-0000006.safetensors").unlink(), "No such file"),
+    (lambda folder: (folder / "tensors-0000006.safetensors").write_bytes(b"short"), "digest"),
+    (lambda folder: (folder / "run.json").write_text("{"), "run.json: Invalid JSON"),
+    (lambda folder: (folder / "run.json").write_text("null"), "run.json: Input should be an object"),
+    (lambda folder: (folder / "run.json").write_text("5"), "run.json: Input should be an object"),
+    (lambda folder: (folder / "run.json").write_text("[" * 100_000), "run.json: Invalid JSON"),
+    (lambda folder: change_record(folder, format=99), "format: Input should be 1"),
+    (lambda folder: change_record(folder, unknown=1), "unknown: Extra inputs"),
+    (lambda folder: change_record(folder, training={"encoder": "keypoints"}), "training.denoiser: Field required"),
+    (lambda folder: change_record(folder, seed=4), "digest"),
+    (lambda folder: change_record(folder, tensors="../tensors-0000006.safetensors"), "tensors: String should match"),
+    (lambda folder: change_record(folder, step="abc"), "step: Input should be a valid integer"),
+    (lambda folder: change_record(folder, step=-1), "step: Input should be greater"),
+    (lambda folder: change_record(folder, "fitting", step=10**9), "step 1000000000 of 6"),
+    (lambda folder: change_record(folder, "fitting", step=5), "losses: shape .6,. given, .5,. needed"),
+    (lambda folder: change_record(folder, seconds="x"), "seconds: Input should be a valid number"),
+    (lambda folder: change_record(folder, action_size=-1), "action_size: Input should be greater than 0"),
+    (lambda folder: change_record(folder, "fitting", action_size=4), "shape .3,. given, .4,. needed"),
+    (lambda folder: change_record(folder, "fitting", observation_shape=[10**10]), "shape"),
+    (lambda folder: change_record(folder, "fitting", observation_shape=[10**30]), "checkpoint"),
+    (lambda folder: change_record(folder, "fitting", training=settings(mlp_width=10**7).model_dump()), "shape"),
+    (lambda folder: change_record(folder, "fitting", training=settings(mlp_depth=200_000).model_dump()), "more blocks"),
+    (lambda folder: change_tensors(folder, lambda tensors: tensors.pop("losses"), "fitting"), "losses: shape None"),
+    (lambda folder: change_tensors(folder, lambda tensors: tensors.update(NAN), "fitting"), "numbers are finite"),
+    (lambda folder: change_tensors(folder, lambda tensors: tensors.update(NAN), "none"), "numbers are finite"),
+    (flip_a_bit, "its content does not fit its digest"),
 ])
-def test_a_damaged_checkpoint_is_refused_in_one_line(tmp_path, damage):
+def test_a_damaged_checkpoint_is_refused_in_one_line(tmp_path, damage, reason):
     train(keypoints(), settings(), 3, tmp_path)
     damage(tmp_path)
-    with pytest.raises(BadInput, match="^cannot read the checkpoint in [^\n]*$"):
+    with pytest.raises(UnusableCheckpoint, match=f"^cannot read the checkpoint in [^\n]*{reason}[^\n]*$"):
         load_policy(tmp_path)
+
+
+def test_a_checkpoint_without_a_digest_is_read(tmp_path):
+    """As earlier versions wrote them."""
+    policy, _ = train(keypoints(), settings(), 3, tmp_path)
+    change_record(tmp_path, "none")
+    assert same(load_policy(tmp_path), policy)
+
+
+def test_an_unfinished_checkpoint_without_adams_moments_is_refused(tmp_path):
+    with pytest.raises(KeyboardInterrupt):
+        train(keypoints(), settings(), 3, tmp_path, checkpoint_every=2, on_step=interrupt_after(5))
+    change_tensors(tmp_path, lambda tensors: tensors.pop("adam/0/exp_avg"), "none")
+    with pytest.raises(UnusableCheckpoint, match="adam/0/exp_avg: shape None given"):
+        read(tmp_path)
+
+
+def test_a_policy_of_another_task_is_refused_and_of_an_unknown_one_not(tmp_path):
+    train(keypoints(), settings(), 3, tmp_path / "known", task="push")
+    train(keypoints(), settings(), 3, tmp_path / "unknown")
+    for folder, task in (("known", "push"), ("known", ""), ("unknown", "push")):
+        assert load_policy(tmp_path / folder, task=task)
+    with pytest.raises(BadInput, match="task: 'basketball' given; the policy in .* learnt 'push'"):
+        load_policy(tmp_path / "known", task="basketball")
+
+
+def test_a_second_training_into_one_folder_is_told_so(tmp_path):
+    def second(*arguments):
+        with pytest.raises(BadInput, match="another training is writing there"):
+            train(keypoints(), settings(), 3, tmp_path)
+
+    train(keypoints(), settings(), 3, tmp_path, on_step=second)
+    train(keypoints(), settings(), 3, tmp_path)
+
+
+def test_a_folder_that_cannot_be_is_refused_before_training(tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(BadInput, match="cannot write the checkpoint in .*file"):
+        train(keypoints(), settings(), 3, tmp_path / "file", on_step=lambda *step: 1 / 0)
+
+
+def test_a_full_disk_is_one_line_and_the_checkpoint_before_stays(tmp_path, monkeypatch):
+    def full(tensors, path):
+        if "tensors-0000004" in str(path):
+            path.write_bytes(b"half")
+            raise SafetensorError("Error while serializing: I/O error: No space left on device")
+        save_file(tensors, path)
+
+    monkeypatch.setattr(checkpoint, "save_file", full)
+    with pytest.raises(BadInput, match="^cannot write the checkpoint in [^\n]*No space left on device$"):
+        train(keypoints(), settings(), 3, tmp_path, checkpoint_every=2)
+    assert read(tmp_path).step == 2
+    assert not list(tmp_path.glob("*.part"))
 
 
 # the report, precision, observations that do not suit

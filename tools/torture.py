@@ -1,10 +1,10 @@
 """Kills `move run` at random, starts it again until it is done, and compares with a run that nobody disturbed.
 
 A grid of a few short trainings from keypoints, with a checkpoint every tenth of a second. Each kill is a SIGKILL of the
-command, of its whole group, or of one worker, at a random moment. At the end every result's rows, curve and collection
-and every policy's weights have to be those of the undisturbed run, bit for bit, and no process and no half-written file
-may be left. `--orphans` kills the command alone at aimed moments from 0 to 10 s after its start, and looks for what
-outlives it.
+command, of its whole group, or of one worker, at a random moment. When the grid is whole, every result's rows, curve
+and collection and every policy's weights have to be those of the undisturbed run, bit for bit, and no process and no
+half-written file may be left. `--orphans` kills the command alone at even moments of its first ten seconds, or of as
+many as the grid takes, and looks for what outlives it. Ctrl-C shows what was counted so far.
 """
 
 from __future__ import annotations
@@ -95,9 +95,9 @@ def outlived(workers: list[psutil.Process], seconds: float = 3.0) -> list[int]:
     return [process.pid for process in alive]
 
 
-def torture(grid: Grid, expected: dict[str, object], kills: int, chance: random.Random, seconds: float) -> Counter[str]:
-    """Kill so often, each time up to `seconds` after a start, and go on until every begun grid is whole."""
-    counts: Counter[str] = Counter()
+def torture(grid: Grid, expected: dict[str, object], kills: int, chance: random.Random, seconds: float,
+            counts: Counter[str]) -> None:
+    """Kill so often, each time up to `seconds` after a start, go on until every begun grid is whole, and count."""
     while sum(counts[target] for target in TARGETS) < kills or counts["rounds"] == 0:
         grid.clear()
         while not _goes_on_to_its_end(grid, kills, chance, seconds, counts):
@@ -105,7 +105,6 @@ def torture(grid: Grid, expected: dict[str, object], kills: int, chance: random.
         counts["rounds"] += 1
         counts["rounds that differ"] += grid.outcome() != expected
         counts["half-written files"] += len(grid.leftovers())
-    return counts
 
 
 def _goes_on_to_its_end(grid: Grid, kills: int, chance: random.Random, seconds: float, counts: Counter[str]) -> bool:
@@ -127,9 +126,8 @@ def _goes_on_to_its_end(grid: Grid, kills: int, chance: random.Random, seconds: 
     return code == 0
 
 
-def aim(grid: Grid, kills: int, latest: float = 10.0) -> Counter[str]:
+def aim(grid: Grid, kills: int, counts: Counter[str], latest: float) -> None:
     """Kill the command alone, at moments evenly from 0 to `latest` seconds after its start; count what outlives it."""
-    counts: Counter[str] = Counter()
     for number in range(kills):
         grid.clear()
         command, started = grid.start(), time.monotonic()
@@ -140,7 +138,6 @@ def aim(grid: Grid, kills: int, latest: float = 10.0) -> Counter[str]:
         command.wait()
         counts["with workers"] += bool(workers)
         counts["orphans"] += len(outlived(workers)) + len(_of(grid))
-    return counts
 
 
 def _children(command: psutil.Popen) -> list[psutil.Process]:
@@ -179,8 +176,11 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         grid = Grid(Path(folder), given.seeds, given.steps)
         expected, seconds = undisturbed(grid)
-        counts = torture(grid, expected, given.kills, random.Random(given.seed), seconds) if given.kills else Counter()
-        aimed = aim(grid, given.orphans)
+        counts, aimed = Counter(), Counter()
+        with suppress(KeyboardInterrupt):  # what was counted so far is shown
+            if given.kills:
+                torture(grid, expected, given.kills, random.Random(given.seed), seconds, counts)
+            aim(grid, given.orphans, aimed, max(seconds, 10))
     lines = {f"kills of the {name}": counts[name] for name in TARGETS}
     lines |= {name: counts[name] for name in ("rounds", "rounds that differ", "commands that failed",
                                               "half-written files", "orphans")}

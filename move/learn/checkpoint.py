@@ -143,7 +143,7 @@ def read(folder: Path, device: str = "cpu") -> Checkpoint | None:
         checkpoint = Checkpoint(**{**fields, "tensors": tensors})
         _check(checkpoint)
         return checkpoint
-    except (OSError, ValueError, OverflowError, RuntimeError, SafetensorError) as error:
+    except (OSError, ValueError, TypeError, OverflowError, RuntimeError, SafetensorError) as error:
         raise UnusableCheckpoint(f"cannot read the checkpoint in {folder}: {_reason(error)}") from error
 
 

@@ -12,13 +12,13 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, NonNegativeFloat
 
 from move.sim.grasp_points import CIRCLE_POINTS, SPARSE_SIDE
 from move.sim.scene.scene import EPISODE_STEPS, SUCCESS_STEPS
-from move.study.spec import RunSpec
+from move.study.spec import OF_A_POLICY, RunSpec
 
 STRICT = ConfigDict(strict=True, extra="forbid", allow_inf_nan=False, hide_input_in_errors=True)
 OPEN = ConfigDict(strict=True, extra="allow", allow_inf_nan=False, hide_input_in_errors=True)
 Steps = Annotated[int, Field(ge=0, le=EPISODE_STEPS)]
 Rate = Annotated[float, Field(ge=0, le=1)]
-PARTS = {"policy": {"collect", "train", "evaluate"}, "collector": {"collect"}}  # the others only evaluate
+PARTS = {"policy": {"collect", "train", "evaluate"}, "control": {"evaluate"}, "collector": {"collect"}}
 POINTS = {"none": 0, "sparse": SPARSE_SIDE**2, "circle": CIRCLE_POINTS}
 
 
@@ -100,11 +100,10 @@ def refuse_other_content(content: dict[str, Any], spec: RunSpec) -> None:
         ValueError: one line that says what is wrong first; a pydantic.ValidationError for a wrong type.
     """
     found = Content.model_validate_json(json.dumps(content))
-    policy = spec.agent == "policy"
     for name, part in (("collection", found.collection), ("training", found.training)):
-        if policy != (part is not None):
+        if (spec.kind == "policy") != (part is not None):
             raise ValueError(f"{name}: not as a {spec.kind}'s")
-    if set(found.seconds) != PARTS.get(spec.agent, {"evaluate"}):
+    if set(found.seconds) != PARTS[spec.kind]:
         raise ValueError(f"seconds: of {', '.join(found.seconds) or 'nothing'}; a {spec.kind} has others")
     if found.collection and spec.collection and found.collection.timesteps != spec.collection.timesteps:
         raise ValueError("collection: of another budget")
@@ -122,7 +121,7 @@ def _refuse_other_rows(rows: Rows, spec: RunSpec, demonstrations: int) -> None:
         raise ValueError("rows: trial is not 0, 1, 2, ...")
     if rows.group != groups:
         raise ValueError(f"rows: other groups than {', '.join(dict.fromkeys(groups))} in this run's order")
-    if (rows.success_steps is None) != (spec.agent == "collector"):
+    if (rows.success_steps is None) != (spec.kind == "collector"):
         raise ValueError("rows: no success_steps, or some of a collector")
     if rows.success_steps is not None and rows.success != [steps > 0 for steps in rows.success_steps]:
         raise ValueError("rows: success does not fit success_steps")
@@ -137,10 +136,10 @@ def expected_groups(spec: RunSpec, demonstrations: int) -> list[str]:
     ['random', 'random']
     """
     tried = spec.evaluation
-    if spec.agent == "collector":
+    if spec.kind == "collector":
         return ["attempt"] * tried.episodes
     if tried.starts == "grid":
         return ["grid"] * tried.grid_side**2 + ["point"] * POINTS[tried.points]
-    if tried.starts in ("own", "grasp"):
+    if tried.starts in OF_A_POLICY:
         return [tried.starts] * min(tried.episodes, demonstrations)
     return [tried.starts] * tried.episodes
