@@ -49,7 +49,6 @@ fig8: table3_real_robot
 test: $(READY)  ## run every test
 	$(BIN)/python -m ruff check move tests tools
 	$(BIN)/python -m mypy
-	$(BIN)/nbstripout --verify --keep-id notebooks/*.ipynb
 	$(BIN)/python -m pytest -q -n 2 -m "not slow"
 
 test-slow: $(READY)  ## run the tests that take minutes: the paper's own batch

@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import pandas as pd
+from IPython.display import Markdown, display
 from matplotlib.figure import Figure
 
 from move import paths
 from move.errors import BadInput
-from move.report import style
+from move.report import changes, style
 from move.study.cells import training_noise
 from move.study.execute import execute
 from move.study.experiments import table2_main, table_keypoint_control
 from move.study.labels import LabelledRun
 from move.study.profiles import Profile
-from move.study.results import Result, split, table
+from move.study.results import NOT_COMPUTED, Result, split, table
 from move.study.spec import RunSpec
 from move.study.statistics import UNKNOWN, TrainingNoise
 
@@ -51,19 +54,30 @@ class Gathered:
 def gather(runs: list[LabelledRun], profile: Profile) -> Gathered:
     """Compute what is missing of `runs`, unless MOVE_STORED_ONLY is set, and return all there is, with its labels.
 
+    What is computed is stored under build/; the shipped results are only read.
+
     Raises:
         BadInput: there is nothing at all to draw; the message says why.
     """
     if not runs:
         raise BadInput(f"profile {profile.name}: has no runs of this figure; allowed is another profile")
     style.use_style()
-    stored_only = os.environ.get("MOVE_STORED_ONLY") == "1"
-    there, missing = (split if stored_only else execute)([run.spec for run in runs], paths.results(profile))
+    there, missing = _found([run.spec for run in runs], profile)
     if not there:
         raise BadInput(f"none of the {len(runs)} runs of this figure is stored; the first one: {missing[0][1]}")
     stored = {result.spec.hash: result for result in there}
     results = [replace(stored[run.spec.hash], labels=run.labels) for run in runs if run.spec.hash in stored]
     return Gathered(profile, results, table(results), missing)
+
+
+def _found(specs: list[RunSpec], profile: Profile) -> tuple[list[Result], list[tuple[RunSpec, str]]]:
+    """What is there of `specs`, shipped or a reader's own, computed where allowed; and what is missing, with why."""
+    shipped, lacking = split(specs, paths.results(profile))
+    unusable = {spec.hash: why for spec, why in lacking if why != NOT_COMPUTED}
+    stored_only = os.environ.get("MOVE_STORED_ONLY") == "1"
+    own, missing = (split if stored_only else execute)([spec for spec, _ in lacking], paths.own_results(profile))
+    return shipped + own, [(spec, unusable.get(spec.hash, why) if why == NOT_COMPUTED else why)
+                           for spec, why in missing]
 
 
 def known_noise(profile: Profile, observation: str) -> TrainingNoise:
@@ -81,7 +95,8 @@ def known_noise(profile: Profile, observation: str) -> TrainingNoise:
 
 def publish(name: str, figure: Figure | None, tables: dict[str, pd.DataFrame], gathered: Gathered) -> None:
     """Write the figure (PDF, PNG) and the tables (CSV, LaTeX) of a notebook."""
-    publish_alone(name, figure, tables, gathered.profile, gathered.source)
+    runs = [*(result.spec for result in gathered.results), *(spec for spec, _ in gathered.missing)]
+    write(name, figure, tables, gathered.profile, gathered.source, runs)
 
 
 def publish_alone(
@@ -91,18 +106,33 @@ def publish_alone(
     write(name, figure, tables, profile, source)
 
 
-def write(name: str, figure: Figure | None, tables: dict[str, pd.DataFrame], profile: Profile, source: str) -> None:
-    """Write one figure and its tables into the profile's folder; for notebooks with several of them.
+def folder(name: str, profile: Profile) -> Path:
+    """Where the notebook of picture `name` writes whatever else it makes, such as films."""
+    return changes.change(name, profile).folder
+
+
+def write(name: str, figure: Figure | None, tables: dict[str, pd.DataFrame], profile: Profile, source: str,
+          runs: Iterable[RunSpec] | None = None) -> None:
+    """Write one figure and its tables, and say where; for notebooks with several of them.
+
+    What is not as the profile has it goes to a folder of its own, and the picture says how it differs.
 
     Args:
         tables: suffix of the file's name ("" for none) -> table.
         source: where the numbers come from, one line under the figure.
+        runs: what it is drawn from, where that can differ from the profile's.
     """
-    folder = paths.figures(profile)
+    changed = changes.change(name, profile, runs=runs)
+    folder = changed.folder
     if figure is not None:
         style.footnote(figure, source)
+        if changed:
+            style.changed(figure, str(changed))
         if profile.stamp:
             style.stamp(figure, profile.stamp, "red", 80)
         style.save(figure, name, folder)
     for suffix, content in tables.items():
         style.save_table(content, name if suffix == "" else f"{name}_{suffix}", folder)
+    if changed or not changes.by_command():
+        display(Markdown(f"{changed}{'. ' if changed else ''}Written to `{folder.relative_to(paths.ROOT)}/`; what is "
+                         "shipped stays as it is."))

@@ -45,6 +45,12 @@ def footnote(figure: Figure, text: str) -> None:
     figure.supxlabel(wrapped, fontsize=5.5, color="#555555", x=0.01, ha="left")
 
 
+def changed(figure: Figure, text: str) -> None:
+    """Write over the figure how it differs from the shipped one of its name, in letters of 8.5 points."""
+    wrapped = textwrap.fill(text, int(figure.get_figwidth() * 15))
+    figure.suptitle(wrapped, fontsize=8.5, color="#B00000", weight="bold", x=0.01, ha="left")
+
+
 def stamp(figure: Figure, text: str, colour: str = "0.35", points: float = 24) -> None:
     """Write `text` across the figure: what a reader must not overlook, also on a copied picture.
 

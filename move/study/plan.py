@@ -17,7 +17,7 @@ from move.paths import results
 from move.sim.demonstrations import Demonstrations
 from move.sim.scene.scene import Scene
 from move.study.profiles import Profile
-from move.study.results import Result, split
+from move.study.results import NOT_COMPUTED, Result, split
 from move.study.spec import PolicyRun, RunSpec
 
 CONTROL_MINUTES = 0.05
@@ -44,7 +44,7 @@ def plan_rows(profile: Profile, figures: dict[str, list[RunSpec]]) -> list[dict[
             hours += (TRIAL_MINUTES if trained else _minutes(spec, there, minutes, profile.image_size)) / 60
             policies.add(spec.policy_hash)
         runs |= set(todo)
-        reasons = Counter(why if why == "not computed yet" else "unusable result" for _, why in missing)
+        reasons = Counter(why if why == NOT_COMPUTED else "unusable result" for _, why in missing)
         rows.append({
             "figure": figure,
             "runs": len(specs),

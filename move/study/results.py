@@ -21,6 +21,8 @@ from move.errors import BadInput
 from move.study.labels import Label
 from move.study.spec import RunSpec, run_spec_from_json
 
+NOT_COMPUTED = "not computed yet"
+
 
 @dataclass(frozen=True)
 class Result:
@@ -117,7 +119,7 @@ def split(specs: list[RunSpec], folder: Path) -> tuple[list[Result], list[tuple[
             missing.append((spec, str(problem)))
             continue
         if result is None:
-            missing.append((spec, "not computed yet"))
+            missing.append((spec, NOT_COMPUTED))
         else:
             there.append(result)
     return there, missing
