@@ -131,6 +131,7 @@ def _run_all(executor: Executor, todo: list[RunSpec], folder: Path, quiet: bool)
                 _show(futures[future], progress, bars)
             fractions = [progress.tasks[bar].completed for bar in bars.values()]
             progress.update(whole, completed=sum(fractions))
+        progress.update(whole, completed=len(todo), refresh=True)
     return failed
 
 
@@ -154,6 +155,6 @@ def _show(spec: RunSpec, progress: Progress, bars: dict[str, TaskID]) -> None:
 
 
 def _progress(quiet: bool) -> Progress:
-    columns = (SpinnerColumn(), TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(),
-               TimeRemainingColumn(elapsed_when_finished=True))
+    columns = (SpinnerColumn(), TaskProgressColumn(), TimeRemainingColumn(elapsed_when_finished=True),
+               BarColumn(bar_width=20), TextColumn("{task.description}"))  # what is cut on a narrow page comes last
     return Progress(*columns, console=Console(stderr=True), disable=quiet, refresh_per_second=2)
