@@ -1,6 +1,8 @@
 """What a reader changes has folders of its own, says so, and neither overwrites what is shipped nor fails the tests."""
 
+import io
 import json
+import re
 import subprocess
 from copy import deepcopy
 from types import SimpleNamespace
@@ -16,11 +18,12 @@ import papermill  # noqa: E402
 import pytest  # noqa: E402
 from conftest import notebooks_in_git  # noqa: E402
 from nbstripout import strip_output  # noqa: E402
+from rich.console import Console  # noqa: E402
 
 from move import paths  # noqa: E402
 from move.errors import BadInput  # noqa: E402
 from move.report import changes, notebooks, page  # noqa: E402
-from move.study import experiments  # noqa: E402
+from move.study import execute, experiments  # noqa: E402
 from move.study.profiles import load_profile  # noqa: E402
 from move.study.results import Result, store  # noqa: E402
 
@@ -89,11 +92,11 @@ def test_what_is_shipped_is_read_and_what_is_new_is_stored_elsewhere(tmp_path, m
     store(results[0], paths.results(LAPTOP))
     computed = []
 
-    def execute(specs, folder):
+    def compute(specs, folder):
         computed.append((specs, folder))
         return results[1:], []
 
-    monkeypatch.setattr(page, "execute", execute)
+    monkeypatch.setattr(page, "execute", compute)
     gathered = page.gather(asked, LAPTOP)
     assert [result.spec for result in gathered.results] == [run.spec for run in asked]
     assert computed == [([run.spec for run in asked[1:]], tmp_path / "build/results/laptop")]
@@ -109,6 +112,14 @@ def test_a_changed_notebook_runs_to_its_end_beside_what_is_shipped(tmp_path, mon
     notebooks.run_notebook("statistics", LAPTOP, {"draws": 20}, stored_only=True)
     told = changes.change("statistics", LAPTOP, {"draws": 20})
     assert (told.folder / "statistics.png").exists() and not (tmp_path / "paper_figures").exists()
+
+
+def test_a_bar_ends_at_a_hundred_per_cent_and_a_narrow_page_cuts_the_description_alone(kernel, monkeypatch):
+    drawn = io.StringIO()
+    monkeypatch.setattr(execute, "Console", lambda stderr: Console(file=drawn, width=60, force_terminal=True))
+    assert list(page.steps(["a", "b"], "a task with a long name " * 5)) == ["a", "b"]
+    last = drawn.getvalue()[drawn.getvalue().rindex("%") - 3:]
+    assert last.startswith("100%") and "0:00:0" in last and len(re.sub(r"\x1b\S*?[A-Za-z]", "", last)) <= 60
 
 
 def test_bad_input_in_a_notebook_is_one_line():

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TypeVar
 
 import pandas as pd
 from IPython.display import Markdown, display
@@ -15,13 +16,15 @@ from move import paths
 from move.errors import BadInput
 from move.report import changes, style
 from move.study.cells import training_noise
-from move.study.execute import execute
+from move.study.execute import execute, progress_bars
 from move.study.experiments import table2_main, table_keypoint_control
 from move.study.labels import LabelledRun
 from move.study.profiles import Profile
 from move.study.results import NOT_COMPUTED, Result, split, table
 from move.study.spec import RunSpec
 from move.study.statistics import UNKNOWN, TrainingNoise
+
+Item = TypeVar("Item")
 
 
 @dataclass(frozen=True)
@@ -78,6 +81,16 @@ def _found(specs: list[RunSpec], profile: Profile) -> tuple[list[Result], list[t
     own, missing = (split if stored_only else execute)([spec for spec, _ in lacking], paths.own_results(profile))
     return shipped + own, [(spec, unusable.get(spec.hash, why) if why == NOT_COMPUTED else why)
                            for spec, why in missing]
+
+
+def steps(items: Iterable[Item], what: str) -> Iterator[Item]:
+    """Go through `items` with a bar that a reader in the browser sees; it ends at 100 %."""
+    listed = list(items)
+    with progress_bars(quiet=changes.by_command()) as bars:
+        bar = bars.add_task(what, total=len(listed))
+        for item in listed:
+            yield item
+            bars.update(bar, advance=1, refresh=True)
 
 
 def known_noise(profile: Profile, observation: str) -> TrainingNoise:

@@ -28,6 +28,7 @@ from rich.progress import (
     TextColumn,
     TimeRemainingColumn,
 )
+from rich.table import Column
 
 from move.errors import BadInput
 from move.machine import default_workers, one_thread_in_children
@@ -119,7 +120,7 @@ def _run_all(executor: Executor, todo: list[RunSpec], folder: Path, quiet: bool)
     """Run all of `todo`; return one line of explanation for each run that failed, by its hash."""
     futures = {executor.submit(run_and_report, spec, folder): spec for spec in todo}
     failed: dict[str, str] = {}
-    with _progress(quiet) as progress:
+    with progress_bars(quiet) as progress:
         whole = progress.add_task(f"{len(todo)} runs", total=len(todo))
         bars = {spec.hash: progress.add_task(spec.label, total=1.0, visible=False) for spec in todo}
         waiting = set(futures)
@@ -154,7 +155,9 @@ def _show(spec: RunSpec, progress: Progress, bars: dict[str, TaskID]) -> None:
                     description=f"{spec.label}: {part}")
 
 
-def _progress(quiet: bool) -> Progress:
+def progress_bars(quiet: bool) -> Progress:
+    """Bars on standard error or in a notebook, of which a narrow page cuts the descriptions alone."""
     columns = (SpinnerColumn(), TaskProgressColumn(), TimeRemainingColumn(elapsed_when_finished=True),
-               BarColumn(bar_width=20), TextColumn("{task.description}"))  # what is cut on a narrow page comes last
-    return Progress(*columns, console=Console(stderr=True), disable=quiet, refresh_per_second=2)
+               BarColumn(bar_width=20), TextColumn("{task.description}", table_column=Column(ratio=1, no_wrap=True)))
+    return Progress(*columns, console=Console(stderr=True), disable=quiet, refresh_per_second=2,
+                    expand=True)
