@@ -179,8 +179,8 @@ def films(name: str) -> str:
 def commands(name: str) -> str:
     """How to make a figure, and what can be changed of it."""
     own = changes.own_parameters(name, PROFILE)
-    change = next((f"    move figure {name} -p {key}={value}" for key, value in own.items()
-                   if isinstance(value, int | float)), "")
+    change = next((f"    move figure {name} -p {key}={value // 2}" for key, value in own.items()
+                   if isinstance(value, int) and value > 1), "")
     lines = ["## Make it, change it", "From the shipped results, into `paper_figures/`; changed, into a folder of its "
              "own under `build/figures/`, which computes what is missing; or in the browser with `make lab`.", "",
              f"    make {name}", change, f"    move plan --figure {name}", ""]

@@ -24,6 +24,7 @@ from move.study.spec import RunSpec
 BY_COMMAND = "MOVE_FIGURE_COMMAND"  # in the environment of the kernels that `move figure` starts
 
 SHOWN: dict[str, dict[str, Any]] = {
+    "fig_coverage": {"covered_timesteps": 5000},
     "rollouts": {"seed": 0, "frames": 8, "image_size": 160},
     "fig2_overview": {"task": "pick-place", "rotating_task": "assembly", "timesteps": 2500, "frames": 8,
                       "image_size": 160, "seed": 0},
