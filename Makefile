@@ -13,7 +13,7 @@ SHORT := $(foreach name,$(NUMBERED),$(firstword $(subst _, ,$(name))))
 STORED_ONLY := $(if $(shell grep -l '^shipped: true' profiles/$(PROFILE).yaml 2>/dev/null),--stored-only)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup figures runs test test-slow test-lerobot plan verify lab bench doctor lock clean fig8 $(NOTEBOOKS) $(SHORT)
+.PHONY: help setup figures runs test test-slow test-lerobot test-browser plan verify lab site bench doctor lock clean fig8 $(NOTEBOOKS) $(SHORT)
 
 help:  ## print this list
 	@echo "usage: make TARGET [PROFILE=smoke|laptop|...] [CLUSTER=tcp://host:8786] [TORCH_INDEX=url]"
@@ -49,8 +49,7 @@ fig8: table3_real_robot
 test: $(READY)  ## run every test
 	$(BIN)/python -m ruff check move tests tools
 	$(BIN)/python -m mypy
-	$(BIN)/nbstripout --verify --keep-id notebooks/*.ipynb notebooks/tutorial/*.ipynb
-	$(BIN)/python -m pytest -q -n 2 -m "not slow"
+	$(BIN)/python -m pytest -q -n 2 -m "not slow and not browser"
 
 test-slow: $(READY)  ## run the tests that take minutes: the paper's own batch
 	$(BIN)/python -m pytest -q -m slow
@@ -63,6 +62,10 @@ $(LEROBOT)/ready:
 test-lerobot: $(READY) $(LEROBOT)/ready  ## LeRobot itself reads exports, trains on them, is tried (downloads 8 GB)
 	$(BIN)/python tools/test_lerobot.py $(LEROBOT)/bin/python
 
+test-browser: $(READY)  ## run the tests that need Chromium: the site, and a notebook in JupyterLab
+	@command -v chromium >/dev/null || apt-get install -y chromium
+	$(BIN)/python -m pytest -q -m browser
+
 plan: $(READY)  ## what would run, how long it takes, and why
 	$(BIN)/move plan --profile $(PROFILE)
 
@@ -70,8 +73,11 @@ verify: $(READY)  ## check every shipped result, recompute a fresh sample of the
 	$(BIN)/move verify --profile $(PROFILE) --all
 	$(BIN)/move verify --profile $(PROFILE)
 
-lab: $(READY)  ## open the notebooks in JupyterLab
-	$(BIN)/jupyter lab notebooks
+lab: $(READY)  ## open JupyterLab on its start page: what to read in which order
+	$(BIN)/jupyter lab --ServerApp.root_dir=. --LabApp.default_url='/lab/tree/notebooks/start.md?factory=Markdown%20Preview'
+
+site: $(READY)  ## one page of all results and a page a figure, from what is stored, into build/site
+	$(BIN)/python tools/make_site.py
 
 bench: $(READY)  ## the speed figures, each against a reference measured in the same run
 	$(BIN)/python tools/bench.py

@@ -296,8 +296,8 @@ def figure(
     as_json: Json = False,
 ) -> None:
     """Execute notebooks, which run what is missing and write their figures and tables."""
-    from move import paths
     from move.report import notebooks
+    from move.report.changes import change
     from move.study.profiles import load_profile
 
     chosen, changes = load_profile(profile), dict(_assignment(text) for text in parameter or [])
@@ -312,7 +312,8 @@ def figure(
         except notebooks.NotebookFailed as failure:
             typer.echo(f"move: {failure}", err=True)
             raise typer.Exit(1) from failure
-        rows.append({"notebook": name, "executed": str(executed), "written_to": str(paths.figures(chosen))})
+        written = change(name, chosen, changes).folder
+        rows.append({"notebook": name, "executed": str(executed), "written_to": str(written)})
     show(rows, as_json, "Notebooks")
 
 

@@ -3,3 +3,7 @@
 
 class BadInput(ValueError):
     """Raised with one line that says what was given, what is allowed and where."""
+
+    def _render_traceback_(self) -> list[str]:
+        """What a notebook shows of it, in IPython's own words: this line, and no traceback."""
+        return [f"\x1b[31mBadInput\x1b[0m: {self}"]

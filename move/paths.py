@@ -23,6 +23,16 @@ def results(profile: Profile) -> Path:
     return (BUILD if profile.stamp else ROOT) / "results" / (profile.shares_results or profile.name)
 
 
+def own_results(profile: Profile) -> Path:
+    """Where notebooks store the runs that they compute, so that what is shipped stays as it is."""
+    return BUILD / "results" / results(profile).name
+
+
 def figures(profile: Profile) -> Path:
     """Where a profile's figures and tables go; the shipped ones are in git."""
-    return ROOT / "paper_figures" if profile.shipped else BUILD / "figures" / profile.name
+    return ROOT / "paper_figures" if profile.shipped else own_figures(profile.name)
+
+
+def own_figures(name: str) -> Path:
+    """Where figures and tables go that are not shipped: those of a profile, or of a notebook that a reader changed."""
+    return BUILD / "figures" / name

@@ -1,6 +1,45 @@
-"""Every test computes on one thread: two test processes with two threads each wait for each other on two cores."""
+"""What every test shares: one thread, and the notebooks as git has them.
 
+Two test processes with two threads each wait for each other on two cores. And what somebody does to a notebook in the
+browser is theirs: tests read the notebooks that are staged or committed (where there is no git, those in the folder).
+"""
+
+import subprocess
+import tempfile
+from pathlib import Path
+
+import pytest
+
+from move import paths
 from move.machine import one_thread, one_thread_in_children
 
 one_thread_in_children()
 one_thread()
+
+
+def git(*arguments: str) -> str:
+    return subprocess.run(["git", *arguments], cwd=paths.ROOT, capture_output=True, text=True, check=True).stdout
+
+
+def notebooks_in_git(folder: str) -> Path:
+    """A copy of the notebooks in git's index, made in `folder`; the folder's own where there is no git."""
+    try:
+        listed = git("ls-files", "notebooks").split()
+        git("checkout-index", f"--prefix={folder}/", *listed)
+    except (OSError, subprocess.CalledProcessError):
+        return paths.NOTEBOOKS
+    return Path(folder, "notebooks")
+
+
+kept = tempfile.TemporaryDirectory(prefix="move-notebooks-")
+changed_here = paths.NOTEBOOKS
+paths.NOTEBOOKS = notebooks_in_git(kept.name)
+
+
+@pytest.hookimpl
+def pytest_report_header() -> str:
+    """Say which notebooks differ from what is tested."""
+    if paths.NOTEBOOKS == changed_here:
+        return "notebooks: those in the folder (no git here)"
+    differing = git("diff", "--name-only", "--", "notebooks").split()
+    return f"notebooks: as git has them; changed here and not tested: {', '.join(differing) or 'none'}"

@@ -10,15 +10,12 @@ import pytest  # noqa: E402
 
 from move import paths  # noqa: E402
 from move.report import page, tables  # noqa: E402
+from move.report.changes import SHOWN  # noqa: E402
 from move.sim.collect import Collection  # noqa: E402
 from move.study.experiments import EXPERIMENTS, registry  # noqa: E402
 from move.study.profiles import load_profile  # noqa: E402
 from move.study.results import Result, table  # noqa: E402
 from move.study.spec import ControlRun, PolicyRun  # noqa: E402
-
-SHOWN = {  # how a notebook shows its runs
-    "fig_coverage": {"covered_timesteps"}, "rollouts": {"frames", "image_size", "seed"},
-}
 
 
 @pytest.mark.parametrize("name", EXPERIMENTS)
@@ -27,7 +24,7 @@ def test_a_notebooks_defaults_are_its_experiments(name):
     defaults = registry.defaults(name)
     assert found.pop("profile")["default"] == '"laptop"'
     extra = set(found) - set(defaults)
-    assert set(defaults) <= set(found) and extra <= SHOWN.get(name, set()), extra
+    assert set(defaults) <= set(found) and extra == set(SHOWN.get(name, {})), extra
     for key, default in defaults.items():
         value = eval(found[key]["default"])  # noqa: S307, our own notebook
         assert (tuple(value) if isinstance(value, list) else value) == default, key

@@ -14,6 +14,7 @@ from papermill.exceptions import PapermillExecutionError
 
 from move import paths
 from move.errors import BadInput
+from move.report.changes import BY_COMMAND
 from move.study.experiments import EXPERIMENTS, runs
 from move.study.profiles import Profile
 
@@ -67,7 +68,7 @@ def run_notebook(
     given = notebook_parameters(name, profile, changes or {})
     for _ in range(STARTS):
         try:
-            with _environment({"MOVE_STORED_ONLY": "1"} if stored_only else {}):
+            with _environment({BY_COMMAND: "1"} | ({"MOVE_STORED_ONLY": "1"} if stored_only else {})):
                 done = papermill.execute_notebook(
                     paths.NOTEBOOKS / f"{name}.ipynb", executed, given, kernel_name="python3", progress_bar=False,
                     cwd=paths.NOTEBOOKS, extra_arguments=["--log-level=ERROR"])

@@ -3,22 +3,28 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TypeVar
 
 import pandas as pd
+from IPython.display import Markdown, display
 from matplotlib.figure import Figure
 
 from move import paths
 from move.errors import BadInput
-from move.report import captions, printed, style
+from move.report import captions, changes, printed, style
 from move.study.cells import training_noise
-from move.study.execute import execute
+from move.study.execute import execute, progress_bars
 from move.study.experiments import table2_main, table_keypoint_control
 from move.study.labels import LabelledRun
 from move.study.profiles import Profile
-from move.study.results import Result, missing_in_words, split, table
+from move.study.results import NOT_COMPUTED, Result, missing_in_words, split, table
 from move.study.spec import RunSpec
 from move.study.statistics import UNKNOWN, TrainingNoise
+
+Item = TypeVar("Item")
 
 
 @dataclass(frozen=True)
@@ -55,19 +61,40 @@ class Gathered:
 def gather(runs: list[LabelledRun], profile: Profile) -> Gathered:
     """Compute what is missing of `runs`, unless MOVE_STORED_ONLY is set, and return all there is, with its labels.
 
+    What is computed is stored under build/; the shipped results are only read.
+
     Raises:
         BadInput: there is nothing at all to draw; the message says why.
     """
     if not runs:
         raise BadInput(f"profile {profile.name}: has no runs of this figure; allowed is another profile")
     style.use_style()
-    stored_only = os.environ.get("MOVE_STORED_ONLY") == "1"
-    there, missing = (split if stored_only else execute)([run.spec for run in runs], paths.results(profile))
+    there, missing = _found([run.spec for run in runs], profile)
     if not there:
         raise BadInput(f"none of the {len(runs)} runs of this figure is stored; the first one: {missing[0][1]}")
     stored = {result.spec.hash: result for result in there}
     results = [replace(stored[run.spec.hash], labels=run.labels) for run in runs if run.spec.hash in stored]
     return Gathered(profile, results, table(results), missing)
+
+
+def _found(specs: list[RunSpec], profile: Profile) -> tuple[list[Result], list[tuple[RunSpec, str]]]:
+    """What is there of `specs`, shipped or a reader's own, computed where allowed; and what is missing, with why."""
+    shipped, lacking = split(specs, paths.results(profile))
+    unusable = {spec.hash: why for spec, why in lacking if why != NOT_COMPUTED}
+    stored_only = os.environ.get("MOVE_STORED_ONLY") == "1"
+    own, missing = (split if stored_only else execute)([spec for spec, _ in lacking], paths.own_results(profile))
+    return shipped + own, [(spec, unusable.get(spec.hash, why) if why == NOT_COMPUTED else why)
+                           for spec, why in missing]
+
+
+def steps(items: Iterable[Item], what: str) -> Iterator[Item]:
+    """Go through `items` with a bar that a reader in the browser sees; it ends at 100 %."""
+    listed = list(items)
+    with progress_bars(quiet=changes.by_command()) as bars:
+        bar = bars.add_task(what, total=len(listed))
+        for item in listed:
+            yield item
+            bars.update(bar, advance=1, refresh=True)
 
 
 def known_noise(profile: Profile, observation: str) -> TrainingNoise:
@@ -92,7 +119,8 @@ def publish(name: str, figure: Figure | None, tables: dict[str, pd.DataFrame], g
         found: what came out, in words; part of the caption.
         layouts: suffix -> how that table is printed in LaTeX, where it is not as `tables.readable` says.
     """
-    write(name, figure, tables, gathered.profile, gathered.source, found, gathered.remark, layouts)
+    runs = [*(result.spec for result in gathered.results), *(spec for spec, _ in gathered.missing)]
+    write(name, figure, tables, gathered.profile, gathered.source, found, gathered.remark, layouts, runs)
 
 
 def publish_alone(name: str, figure: Figure | None, tables: dict[str, pd.DataFrame], profile: Profile,
@@ -101,22 +129,37 @@ def publish_alone(name: str, figure: Figure | None, tables: dict[str, pd.DataFra
     write(name, figure, tables, profile, source, found, layouts=layouts)
 
 
+def folder(name: str, profile: Profile) -> Path:
+    """Where the notebook of picture `name` writes whatever else it makes, such as films."""
+    return changes.change(name, profile).folder
+
+
 def write(name: str, figure: Figure | None, tables: dict[str, pd.DataFrame], profile: Profile, source: str,
-          found: str = "", remark: str = "", layouts: dict[str, pd.DataFrame] | None = None) -> None:
-    """Write one figure and its tables into the profile's folder; for notebooks with several of them.
+          found: str = "", remark: str = "", layouts: dict[str, pd.DataFrame] | None = None,
+          runs: Iterable[RunSpec] | None = None) -> None:
+    """Write one figure and its tables, and say where; for notebooks with several of them.
+
+    What is not as the profile has it goes to a folder of its own, and the picture says how it differs.
 
     Args:
         source: where the numbers come from; part of the captions.
         remark: one line in the picture itself.
         found, layouts: as for `publish`.
+        runs: what it is drawn from, where that can differ from the profile's.
     """
-    folder = paths.figures(profile)
+    changed = changes.change(name, profile, runs=runs)
+    folder = changed.folder
     if figure is not None:
         if remark:
             style.remark(figure, remark)
+        if changed:
+            style.changed(figure, str(changed))
         if profile.stamp:
             style.stamp(figure, profile.stamp, "red", 80)
         style.save(figure, name, folder, captions.caption(name, source, found))
     for suffix, content in tables.items():
         table = name if suffix == "" else f"{name}_{suffix}"
         printed.save(content, table, folder, (layouts or {}).get(suffix), source)
+    if changed or not changes.by_command():
+        display(Markdown(f"{changed}{'. ' if changed else ''}Written to `{folder.relative_to(paths.ROOT)}/`; what is "
+                         "shipped stays as it is."))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import textwrap
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -57,6 +58,12 @@ def titles(axes: Sequence[Axes], texts: Sequence[str]) -> None:
 def remark(figure: Figure, text: str) -> None:
     """Write a line under the figure that a reader must not miss, such as how many runs are not there."""
     figure.supxlabel(text, fontsize=LEAST_POINTS, color="#444444", x=0.01, ha="left")
+
+
+def changed(figure: Figure, text: str) -> None:
+    """Write over the figure how it differs from the shipped one of its name, in letters of 8.5 points."""
+    wrapped = textwrap.fill(text, int(figure.get_figwidth() * 15))
+    figure.suptitle(wrapped, fontsize=8.5, color="#B00000", weight="bold", x=0.01, ha="left")
 
 
 def stamp(figure: Figure, text: str, colour: str = "0.35", points: float = 24) -> None:

@@ -22,6 +22,7 @@ from rich.progress import (
     TextColumn,
     TimeRemainingColumn,
 )
+from rich.table import Column
 
 from move.errors import BadInput
 from move.machine import default_workers
@@ -100,7 +101,7 @@ def _run_all(pool: Pool, missing: list[tuple[RunSpec, str]], folder: Path, quiet
     """
     failed: dict[str, str] = {}
     todo = list({spec.hash: spec for spec, _ in missing}.values())
-    with _progress(quiet) as progress:
+    with progress_bars(quiet) as progress:
         _set_aside(missing, folder, progress.console)
         whole = progress.add_task(f"{len(todo)} runs", total=len(todo))
         bars = {spec.hash: progress.add_task(spec.label, total=1.0, visible=False) for spec in todo}
@@ -116,6 +117,7 @@ def _run_all(pool: Pool, missing: list[tuple[RunSpec, str]], folder: Path, quiet
                 _print(progress.console, trouble or "going on")
             fractions = [progress.tasks[bar].completed for bar in bars.values()]
             progress.update(whole, completed=sum(fractions))
+        progress.update(whole, completed=len(todo), refresh=True)
     return failed
 
 
@@ -155,7 +157,9 @@ def _show(spec: RunSpec, progress: Progress, bars: dict[str, TaskID]) -> None:
                     description=f"{spec.label}: {part}")
 
 
-def _progress(quiet: bool) -> Progress:
-    columns = (SpinnerColumn(), TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(),
-               TimeRemainingColumn(elapsed_when_finished=True))
-    return Progress(*columns, console=Console(stderr=True), disable=quiet, refresh_per_second=2)
+def progress_bars(quiet: bool) -> Progress:
+    """Bars on standard error or in a notebook, of which a narrow page cuts the descriptions alone."""
+    columns = (SpinnerColumn(), TaskProgressColumn(), TimeRemainingColumn(elapsed_when_finished=True),
+               BarColumn(bar_width=20), TextColumn("{task.description}", table_column=Column(ratio=1, no_wrap=True)))
+    return Progress(*columns, console=Console(stderr=True), disable=quiet, refresh_per_second=2,
+                    expand=True)

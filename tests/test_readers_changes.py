@@ -1,0 +1,147 @@
+"""What a reader changes has folders of its own, says so, and neither overwrites what is shipped nor fails the tests."""
+
+import io
+import json
+import re
+import subprocess
+from copy import deepcopy
+from types import SimpleNamespace
+
+import matplotlib
+
+matplotlib.use("Agg")
+
+import matplotlib.pyplot as plt  # noqa: E402
+import nbformat  # noqa: E402
+import pandas as pd  # noqa: E402
+import papermill  # noqa: E402
+import pytest  # noqa: E402
+from conftest import notebooks_in_git  # noqa: E402
+from nbstripout import strip_output  # noqa: E402
+from rich.console import Console  # noqa: E402
+
+from move import paths  # noqa: E402
+from move.errors import BadInput  # noqa: E402
+from move.report import changes, notebooks, page  # noqa: E402
+from move.study import execute, experiments  # noqa: E402
+from move.study.profiles import load_profile  # noqa: E402
+from move.study.results import Result, store  # noqa: E402
+
+LAPTOP = load_profile("laptop")
+
+
+def defaults(name: str) -> dict:
+    found = papermill.inspect_notebook(str(paths.NOTEBOOKS / f"{name}.ipynb"))
+    return {key: eval(one["default"]) for key, one in found.items() if key != "profile"}  # noqa: S307, our own notebook
+
+
+@pytest.fixture
+def kernel(monkeypatch):
+    """A kernel's namespace, as the page sees it in a browser."""
+    shell = SimpleNamespace(user_ns={})
+    monkeypatch.setattr(changes, "get_ipython", lambda: shell)
+    return shell.user_ns
+
+
+@pytest.mark.parametrize("name", notebooks.names())
+def test_only_a_command_with_the_profiles_own_parameters_writes_what_is_shipped(name, monkeypatch):
+    own = changes.own_parameters(name, LAPTOP)
+    given = {**defaults(name), **LAPTOP.parameters(name)}
+    assert json.dumps(own, sort_keys=True) == json.dumps(given, sort_keys=True)
+    assert changes.change(name, LAPTOP, given).folder == paths.figures(LAPTOP)
+    places = {changes.change(name, LAPTOP, given | {key: "another"}).folder for key in given}
+    assert len(places) == len(given)
+    assert all(place.parent == paths.BUILD / "figures" and place.name.startswith(f"{name}-") for place in places)
+    monkeypatch.setattr(changes, "get_ipython", lambda: SimpleNamespace(user_ns=given))  # in a browser
+    assert changes.change(name, LAPTOP).folder == paths.BUILD / "figures" / "laptop"
+    monkeypatch.setenv(changes.BY_COMMAND, "1")
+    assert changes.change(name, LAPTOP).folder == paths.figures(LAPTOP)
+
+
+def test_other_runs_under_the_same_parameters_are_a_change_too():
+    asked = experiments.specs("fig1_sparse", LAPTOP)
+    assert not changes.change("fig1_sparse", LAPTOP, {}, asked)
+    fewer = changes.change("fig1_sparse", LAPTOP, {}, asked[:-1])
+    assert fewer and fewer.folder not in (paths.figures(LAPTOP), changes.change("fig1_sparse", LAPTOP, {}, asked[1:]))
+    assert "other runs" in str(fewer)
+
+
+def test_a_changed_picture_says_how_in_large_letters_and_the_page_says_where(kernel, tmp_path, monkeypatch):
+    said = []
+    monkeypatch.setattr(page, "display", lambda text: said.append(text.data))
+    monkeypatch.setattr(paths, "BUILD", tmp_path / "build")
+    monkeypatch.setattr(paths, "ROOT", tmp_path)
+    kernel.update(defaults("fig1_sparse") | {"observation": "keypoints", "timesteps": 1500, "seeds": 1})
+    figure, _ = plt.subplots()
+    page.write("fig1_sparse", figure, {"": pd.DataFrame({"a": [1]})}, LAPTOP, "source")
+    (over,) = [text for text in figure.texts if "keypoints" in text.get_text()]
+    assert all(told in over.get_text() for told in ("keypoints", "timesteps 1,500", "seeds 1"))
+    assert over.get_fontsize() >= 8
+    (folder,) = (tmp_path / "build/figures").iterdir()
+    assert {path.name for path in folder.iterdir()} == {f"fig1_sparse.{kind}" for kind in ("png", "pdf", "csv", "tex")}
+    assert folder.name in said[0] and "timesteps 1,500" in said[0]
+    assert not (tmp_path / "paper_figures").exists()
+
+
+def test_what_is_shipped_is_read_and_what_is_new_is_stored_elsewhere(tmp_path, monkeypatch):
+    monkeypatch.setattr(paths, "ROOT", tmp_path)
+    monkeypatch.setattr(paths, "BUILD", tmp_path / "build")
+    asked = experiments.fig1_sparse(LAPTOP, "keypoints", timesteps=1500, seeds=2, identical_starts=0)
+    rows = [{"trial": 0, "group": "grid", "success": True, "steps": 3}]
+    results = [Result(run.spec, rows, None, None, {"train": 1.0}, {}) for run in asked]
+    store(results[0], paths.results(LAPTOP))
+    computed = []
+
+    def compute(specs, folder):
+        computed.append((specs, folder))
+        return results[1:], []
+
+    monkeypatch.setattr(page, "execute", compute)
+    gathered = page.gather(asked, LAPTOP)
+    assert [result.spec for result in gathered.results] == [run.spec for run in asked]
+    assert computed == [([run.spec for run in asked[1:]], tmp_path / "build/results/laptop")]
+    assert len(list((tmp_path / "results/laptop").iterdir())) == 1
+
+
+def test_a_changed_notebook_runs_to_its_end_beside_what_is_shipped(tmp_path, monkeypatch):
+    monkeypatch.setenv("MOVE_ROOT", str(tmp_path))
+    monkeypatch.setenv("PYTHONPATH", str(paths.ROOT))
+    (tmp_path / "profiles").symlink_to(paths.PROFILES)
+    (tmp_path / "results").symlink_to(paths.ROOT / "results")
+    monkeypatch.setattr(paths, "BUILD", tmp_path / "build")
+    notebooks.run_notebook("statistics", LAPTOP, {"draws": 20}, stored_only=True)
+    told = changes.change("statistics", LAPTOP, {"draws": 20})
+    assert (told.folder / "statistics.png").exists() and not (tmp_path / "paper_figures").exists()
+
+
+def test_a_bar_ends_at_a_hundred_per_cent_and_a_narrow_page_cuts_the_description_alone(kernel, monkeypatch):
+    drawn = io.StringIO()
+    monkeypatch.setattr(execute, "Console", lambda stderr: Console(file=drawn, width=60, force_terminal=True))
+    assert list(page.steps(["a", "b"], "a task with a long name " * 5)) == ["a", "b"]
+    last = drawn.getvalue()[drawn.getvalue().rindex("%") - 3:]
+    assert last.startswith("100%") and "0:00:0" in last and len(re.sub(r"\x1b\S*?[A-Za-z]", "", last)) <= 60
+
+
+def test_bad_input_in_a_notebook_is_one_line():
+    assert BadInput("seeds: -1 given")._render_traceback_()[0].endswith("BadInput\x1b[0m: seeds: -1 given")
+
+
+@pytest.mark.parametrize("name", notebooks.names())
+def test_no_notebook_in_git_holds_outputs(name):
+    notebook = nbformat.read(paths.NOTEBOOKS / f"{name}.ipynb", 4)
+    assert strip_output(deepcopy(notebook), keep_output=False, keep_count=False, keep_id=True) == notebook
+    notebook.cells[2].execution_count = 1
+    assert strip_output(deepcopy(notebook), keep_output=False, keep_count=False, keep_id=True) != notebook
+
+
+def test_tests_read_a_notebook_as_git_has_it(tmp_path, monkeypatch):
+    (tmp_path / "notebooks").mkdir()
+    here = tmp_path / "notebooks/a.ipynb"
+    here.write_text(json.dumps({"cells": ["committed"]}))
+    monkeypatch.setattr(paths, "ROOT", tmp_path)
+    monkeypatch.setattr(paths, "NOTEBOOKS", tmp_path / "notebooks")
+    assert notebooks_in_git(str(tmp_path / "none")) == tmp_path / "notebooks"  # no git, no copy
+    for command in (["init", "-q"], ["add", "notebooks"]):
+        subprocess.run(["git", *command], cwd=tmp_path, check=True)
+    here.write_text(json.dumps({"cells": ["played with"]}))
+    assert json.loads((notebooks_in_git(str(tmp_path / "copy")) / "a.ipynb").read_text()) == {"cells": ["committed"]}

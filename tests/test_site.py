@@ -1,0 +1,137 @@
+"""The site: its parts from shipped files, and, where it has been built, every page, link and picture of it."""
+
+import re
+import sys
+from html.parser import HTMLParser
+from pathlib import Path
+from urllib.parse import unquote, urldefrag, urlparse
+
+import nbformat
+import pandas as pd
+import pytest
+from nbformat.v4 import new_code_cell, new_notebook, new_output
+
+from move import paths
+
+sys.path.insert(0, str(paths.ROOT / "tools"))
+make_site = pytest.importorskip("make_site", reason="Sphinx is not installed")
+
+import browser  # noqa: E402
+
+WIDTHS = (1280, 390)
+PAGES = sorted(make_site.SITE.rglob("*.html"))
+built = pytest.mark.skipif(not PAGES, reason="no site here; `make site` builds it")
+
+
+class Found(HTMLParser):
+    """What a page refers to, the places in it, and its pictures without an alternative text."""
+
+    def __init__(self, path: Path) -> None:
+        super().__init__()
+        self.links, self.places, self.silent = [], set(), []
+        self.feed(path.read_text())
+
+    def handle_starttag(self, tag: str, attributes: list) -> None:
+        given = dict(attributes)
+        self.places |= {given.get("id"), given.get("name")}
+        self.links += [given[key] for key in ("href", "src") if given.get(key)]
+        if tag == "img" and not (given.get("alt") or "").strip():
+            self.silent.append(given.get("src"))
+
+
+def test_the_start_page_has_every_claim_with_its_verdict_and_its_figures_page():
+    ledger = pd.read_csv(make_site.SHIPPED / "claims.csv")
+    lines = list(make_site.claims(ledger))[2:]
+    assert len(lines) == len(ledger) == 36
+    for line, row in zip(lines, ledger.itertuples(), strict=True):
+        assert line.startswith(f"| {row.number} |") and f"**{row.verdict}**" in line
+        assert f"(figures/{row.figure}.ipynb)" in line and line.count(" | ") == 4
+
+
+def test_every_table_belongs_to_a_notebook():
+    for path in make_site.SHIPPED.glob("*.csv"):
+        assert (paths.NOTEBOOKS / f"{make_site.table_of(path.stem)}.ipynb").exists(), path
+
+
+def test_an_executed_copy_counts_only_with_todays_cells_all_run_and_the_profiles_own_parameters():
+    notebook = nbformat.read(paths.NOTEBOOKS / "fig1_sparse.ipynb", 4)
+    left = nbformat.read(paths.NOTEBOOKS / "fig1_sparse.ipynb", 4)
+    for cell in left.cells:
+        if cell.cell_type == "code":
+            cell.execution_count = 1
+    left.metadata["papermill"] = {"input_path": "notebooks/fig1_sparse.ipynb", "parameters": {"profile": "laptop"}}
+    assert make_site.is_of_today(left, notebook)
+    left.metadata["papermill"]["parameters"] = {"seeds": 1}
+    assert not make_site.is_of_today(left, notebook)
+    left.metadata["papermill"]["parameters"] = {}
+    left.cells[2].execution_count = None
+    assert not make_site.is_of_today(left, notebook)
+    left.cells[2].execution_count = 1
+    left.cells[3].source += "\n"
+    assert not make_site.is_of_today(left, notebook)
+
+
+def test_a_reader_of_the_site_sees_no_progress_of_a_live_page():
+    live = new_output("display_data", {"application/vnd.jupyter.widget-view+json": {}, "text/plain": "Output()"})
+    told = new_output("stream", text="told")
+    injected = new_code_cell("profile = 'x'", metadata={"tags": ["injected-parameters"]})
+    notebook = new_notebook(cells=[injected, new_code_cell("run()", outputs=[live, told])])
+    (cell,) = make_site.shown_cells(notebook, hide_code=True)
+    assert cell.outputs == [told] and cell.metadata["tags"] == ["hide-input"]
+
+
+def test_the_start_page_of_the_lab_leads_to_every_notebook():
+    text = (paths.ROOT / "notebooks/start.md").read_text()
+    linked = re.findall(r"\]\(([^)]+)\)", text)
+    asked = [link for link in linked if link != "../build/figures" and (
+        make_site.TUTORIAL.exists() or not link.startswith("tutorial/"))]
+    assert all((paths.ROOT / "notebooks" / link).exists() for link in asked), asked
+    here = {str(path.relative_to(paths.NOTEBOOKS)) for pattern in ("*.ipynb", "tutorial/*.ipynb")
+            for path in paths.NOTEBOOKS.glob(pattern)}
+    assert here <= set(linked), here - set(linked)
+
+
+@built
+def test_every_link_of_the_site_resolves_and_every_picture_has_words():
+    found = {path.resolve(): Found(path) for path in PAGES}
+    for path, page in found.items():
+        assert not page.silent, (path, page.silent)
+        for link in page.links:
+            address, place = urldefrag(link)
+            if urlparse(address).scheme:
+                continue
+            goal = (path.parent / unquote(urlparse(address).path)).resolve() if address else path
+            assert goal.exists(), (path, link)
+            assert not place or goal not in found or unquote(place) in found[goal].places, (path, link)
+
+
+@built
+def test_the_site_loads_nothing_from_elsewhere_and_is_small():
+    for path in PAGES:
+        loaded = re.findall(r"<(?:script|img|video|source|iframe)[^>]*src=\"(https?:[^\"]+)", path.read_text())
+        assert not loaded, (path, loaded)
+    assert sum(path.stat().st_size for path in make_site.SITE.rglob("*") if path.is_file()) < 40e6
+
+
+@built
+@pytest.mark.browser
+@pytest.mark.parametrize("width", WIDTHS)
+def test_every_page_fits_its_width_without_an_error(width):
+    with browser.page(width) as page:
+        for path in PAGES:
+            page.goto(path.as_uri())
+            assert page.evaluate("document.documentElement.scrollWidth") <= width, path
+            broken = page.evaluate("[...document.images].filter(one => one.complete && !one.naturalWidth).length")
+            assert not broken, path
+        assert not page.errors, page.errors
+
+
+@built
+@pytest.mark.browser
+def test_the_search_finds_a_figure_and_a_function():
+    with browser.page() as page:
+        for wanted, where in (("circle", "fig5_circle"), ("sample_speed", "api/")):
+            page.goto(f"{(make_site.SITE / 'search.html').as_uri()}?q={wanted}")
+            page.wait_for_selector("#search-results li a", timeout=20_000)
+            links = page.eval_on_selector_all("#search-results li a", "all => all.map(one => one.href)")
+            assert any(where in link for link in links), links
