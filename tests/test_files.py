@@ -27,7 +27,10 @@ def test_a_file_and_a_folder_take_their_place_in_one_step(tmp_path):
     assert names(tmp_path) == ["deep", "folder"] and names(tmp_path / "deep") == ["file"]
 
 
-@pytest.mark.parametrize("error, raised", [(OSError(28, "No space left on device"), BadInput), (KeyError("x"), KeyError)])
+@pytest.mark.parametrize("error, raised", [
+    (OSError(28, "No space left on device"), BadInput),
+    (KeyError("x"), KeyError),
+])
 def test_what_fails_leaves_what_was_there(tmp_path, error, raised):
     (tmp_path / "file").write_text("old")
     with pytest.raises(raised) as caught, files.written_aside(tmp_path / "file") as beside:

@@ -62,8 +62,8 @@ def save(demonstrations: Demonstrations, path: Path, attributes: dict[str, Any],
 
         data/img or data/keypoints    data/action    meta/episode_ends    attributes (JSON)
 
-    The group is zarr format 2, which diffusion_policy itself can read. An older one at `path` stays until the new one is
-    whole. Raises BadInput if the attributes are not JSON, and whatever `check_place` refuses.
+    The group is zarr format 2, which diffusion_policy itself can read. An older one at `path` stays until the new one
+    is whole. Raises BadInput if the attributes are not JSON, and whatever `check_place` refuses.
     """
     try:
         json.dumps(attributes)

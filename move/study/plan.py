@@ -34,7 +34,7 @@ def plan_rows(profile: Profile, figures: dict[str, list[RunSpec]]) -> list[dict[
     rows: list[dict[str, Any]] = []
     runs: set[str] = set()
     policies: set[str] = set()
-    minutes = dict(profile.minutes)
+    minutes: dict[str, float] = {**profile.minutes}
     for figure, specs in figures.items():
         there, missing = split(specs, results(profile))
         todo = {spec.hash: spec for spec, _ in missing if spec.hash not in runs}
