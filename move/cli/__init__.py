@@ -25,7 +25,6 @@ from move.errors import BadInput
 __all__ = ["app", "by_hand", "main", "study"]
 
 INTERRUPTED = 130  # exit code after Ctrl-C
-BROKEN_PIPE = 141  # whoever read the output has gone, as `head` does
 
 
 def main() -> None:
@@ -52,9 +51,9 @@ def _outcome() -> int:
         return _refuse(problem.format_message().replace("Value error, ", ""), 2)
     except (typer.Abort, KeyboardInterrupt):
         return INTERRUPTED
-    except BrokenPipeError:
+    except BrokenPipeError:  # whoever read the output has gone, as `head` does
         _drop_output()
-        return BROKEN_PIPE
+        return 1
     except OSError as error:
         _drop_output()
         return _refuse(f"{error.filename or 'output'}: {error.strerror or error}", 2)

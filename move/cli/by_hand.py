@@ -149,8 +149,8 @@ def _refuse_other_content(folder: Path) -> None:
     refuse_unwritable(folder / "run.json")
     other = sorted(path.name for path in folder.iterdir()) if folder.is_dir() else []
     if strange := [name for name in other if not OF_A_CHECKPOINT.fullmatch(name)]:
-        raise BadInput(f"{folder} holds {', '.join(strange[:3])}, not of a checkpoint; allowed is a new or empty folder "
-                       "or one that `move train` wrote")
+        raise BadInput(f"{folder} holds {', '.join(strange[:3])}, not of a checkpoint; allowed is a new or empty "
+                       "folder, or one that `move train` wrote")
 
 
 @app.command(epilog=examples("move evaluate build/policy --task push",

@@ -121,10 +121,10 @@ def verify(
         show(rows if as_json else shown, as_json, "Checked")
     else:
         seed = int(np.random.SeedSequence().generate_state(1)[0]) if seed is None else seed
-        typer.echo(f"verify: --seed {seed} draws this sample again", err=True)
         specs = [spec for listed in chosen_specs(chosen, names).values() for spec in listed]
-        with progress("verify") as report:
+        with progress(f"verify --seed {seed}") as report:
             rows = verifying.verify(specs, paths.results(chosen), sample, np.random.default_rng(seed), report)
+        typer.echo(f"verify: --seed {seed} draws this sample again", err=True)
         show(rows, as_json, "Recomputed")
     if not all(row["same"] for row in rows):
         raise typer.Exit(1)

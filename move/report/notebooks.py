@@ -20,7 +20,7 @@ from move.study.experiments import EXPERIMENTS, defaults, runs, specs
 from move.study.profiles import Profile
 
 OnRuns = Callable[[float, int], None]
-"""Called with how many of the runs that were missing are done, one under way counted in part, and how many there are."""
+"""Called with how many of the missing runs are done, one under way counted in part, and how many there are."""
 
 
 class NotebookFailed(RuntimeError):
@@ -67,7 +67,7 @@ def run_notebook(
     for _ in range(STARTS):
         try:
             with (_environment({"MOVE_STORED_ONLY": "1"} if stored_only else {}),
-                  _watched([] if stored_only else _missing(name, profile, changes or {}), on_runs)):
+                  watched([] if stored_only else _missing(name, profile, changes or {}), on_runs)):
                 done = papermill.execute_notebook(
                     paths.NOTEBOOKS / f"{name}.ipynb", executed, given, kernel_name="python3", progress_bar=False,
                     cwd=paths.NOTEBOOKS, extra_arguments=["--log-level=ERROR"])
@@ -108,7 +108,7 @@ def _missing(name: str, profile: Profile, changes: dict[str, Any]) -> list[str]:
 
 
 @contextmanager
-def _watched(missing: list[str], on_runs: OnRuns | None) -> Iterator[None]:
+def watched(missing: list[str], on_runs: OnRuns | None) -> Iterator[None]:
     """While the runs of a notebook are computed elsewhere, report once a second how far they are."""
     ended = threading.Event()
 

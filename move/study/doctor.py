@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 from importlib.metadata import PackageNotFoundError, version
 
 import psutil
@@ -51,10 +50,10 @@ def _memory() -> Check:
 def locked_versions(text: str) -> dict[str, str]:
     """Package to version from a lock file in pip's format, for the packages that this platform needs.
 
-    >>> locked_versions("numpy==2.4.6 ; python_version > '3' \\\n    --hash=sha256:0\nsix==1.17.0 ; os_name == 'none'")
+    >>> locked_versions("numpy==2.4.6 ; python_version > '3'\\n    --hash=sha256:0\\nsix==1.17.0 ; os_name == 'none'")
     {'numpy': '2.4.6'}
     """
-    pins = [Requirement(line) for line in re.findall(r"^(\w[^\\\n]*?)(?: --hash| *\\|$)", text, re.MULTILINE)]
+    pins = [Requirement(line.rstrip(" \\")) for line in text.splitlines() if line[:1].isalnum()]
     return {pin.name: str(pin.specifier).removeprefix("==") for pin in pins if not pin.marker or pin.marker.evaluate()}
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 
 from move.sim.tasks import FACTORS
-from move.study.experiments.registry import Count, Observation, Repeats, Seeds, experiment
+from move.study.experiments.registry import Count, Counts, Observation, Repeats, Seeds, experiment
 from move.study.kinds import policy_run
 from move.study.labels import LabelledRun, grid
 from move.study.profiles import Profile
@@ -30,7 +30,7 @@ def fig1_sparse(
 
 @experiment
 def fig3_dense(
-    profile: Profile, observation: Observation = "rgb", timesteps: tuple[Count, ...] = (7000, 3500, 2000),
+    profile: Profile, observation: Observation = "rgb", timesteps: Counts = (7000, 3500, 2000),
     seeds: Repeats = 3, identical_starts: Seeds = 3, grid_side: Count = 12,
 ) -> list[LabelledRun]:
     """Grasp points anywhere, the same for static and MOVE, equal timesteps; a grid over the object space (figure 3).

@@ -16,6 +16,7 @@ from move.study.spec import RunSpec
 from move.validation import first_problem
 
 Count = Annotated[int, Field(gt=0, strict=True)]  # of what has its largest number elsewhere: timesteps, episodes
+Counts = Annotated[tuple[Count, ...], Field(min_length=1)]
 Repeats = Annotated[int, Field(gt=0, le=1000, strict=True)]
 Multiple = Annotated[float, Field(gt=0, le=1000, allow_inf_nan=False)]
 Seeds = Annotated[int, Field(ge=0, le=1000, strict=True)]
