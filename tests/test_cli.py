@@ -188,11 +188,6 @@ def test_every_notebook_has_parameters_and_teaches():
         assert all("def " not in "".join(cell["source"]) for cell in code)  # an algorithm belongs in the package
 
 
-def test_make_alone_prints_its_targets():
-    listed = subprocess.run(["make"], cwd=paths.ROOT, capture_output=True, text=True, check=True).stdout
-    assert all(target in listed for target in ("figures", "test", "plan", "verify", "lab", "bench", "fig1_sparse"))
-
-
 def test_without_gl_there_is_one_clear_line_and_keypoints_go_on():
     program = ("from move.machine import gl_problem; from move.sim.scene.scene import Scene\n"
                "from move.errors import BadInput\n"
