@@ -41,7 +41,7 @@ def measure() -> None:
         after = resource.getrusage(resource.RUSAGE_CHILDREN)
         if not failed:
             taken[path.stem] = round(after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
-    SECONDS.write_text(json.dumps(taken, indent=1) + "\n")
+            SECONDS.write_text(json.dumps(taken, indent=1) + "\n")
 
 
 def main() -> None:

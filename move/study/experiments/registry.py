@@ -76,7 +76,8 @@ def runs(name: str, profile: Profile, changes: Mapping[str, Any] | None = None) 
     Raises:
         BadInput: an unknown experiment or parameter, or a value that is not allowed.
     """
-    return EXPERIMENTS[name](profile, **parameters(name, profile, changes))
+    chosen = parameters(name, profile, changes)
+    return EXPERIMENTS[name](profile, **chosen)
 
 
 def specs(name: str, profile: Profile, changes: Mapping[str, Any] | None = None) -> list[RunSpec]:
