@@ -1,4 +1,4 @@
-"""What a reader does first: `make`, the set-up with whatever Python there is, and where the lock can be installed.
+"""What a reader does first: `make`, the set-up with whatever Python there is, and where the lock can be installed."""
 
 import hashlib
 import json
