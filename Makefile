@@ -6,7 +6,7 @@ READY := .venv/ready
 LEROBOT := build/lerobot-venv
 CLUSTER_OPTION := $(if $(CLUSTER),--cluster $(CLUSTER))
 NOTEBOOKS := $(basename $(notdir $(wildcard notebooks/*.ipynb)))
-NUMBERED := $(filter fig% table1% table2% table3% table4% table5% table6%,$(NOTEBOOKS))
+NUMBERED := $(filter $(foreach n,1 2 3 4 5 6 7 8 9,fig$(n)_% table$(n)_%),$(NOTEBOOKS))
 SHORT := $(foreach name,$(NUMBERED),$(firstword $(subst _, ,$(name))))
 
 # whether the profile's results are those in git: its figures are drawn from them, and `make runs` computes the rest
@@ -18,13 +18,17 @@ STORED_ONLY := $(if $(shell grep -l '^shipped: true' profiles/$(PROFILE).yaml 2>
 help:  ## print this list
 	@echo "usage: make TARGET [PROFILE=smoke|laptop|...] [CLUSTER=tcp://host:8786] [TORCH_INDEX=url]"
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  %-12s %s\n", $$1, $$2}'
-	@echo "  one figure or table: $(sort $(NOTEBOOKS))"
+	@echo "one figure or table, and about how long it takes from stored results:"
+	@$(PYTHON) tools/figures.py
 
 setup: $(READY)  ## build .venv from environment.lock
 
 $(READY): environment.lock environment-cuda.lock pyproject.toml tools/install.py
-	@$(PYTHON) -c 'import sys; sys.exit(None if sys.version_info[:2] == (3, 11) else "make: Python 3.11 is needed; name it with make PYTHON=...")'
-	$(PYTHON) -m venv --clear .venv
+	@if $(PYTHON) -c 'import sys; sys.exit(sys.version_info[:2] != (3, 11))' 2>/dev/null; \
+	then $(PYTHON) -m venv --clear .venv; \
+	elif command -v uv >/dev/null; then rm -rf .venv && uv venv --quiet --seed --python 3.11 .venv; \
+	else echo "make: Python 3.11 is needed; name one with make PYTHON=..., or install uv, which fetches it" >&2; exit 2; \
+	fi
 	$(BIN)/python tools/install.py
 	@$(BIN)/python -c 'from move.machine import gl_problem as g; p = g(); p and print(p)'
 	@touch $@

@@ -1,15 +1,17 @@
-"""The command line: one clear line and exit code 2 for bad input, JSON for machines, a chain that works by hand."""
+"""The command line: JSON for machines, a chain that works by hand, help that lists what is allowed, no traceback."""
 
 import json
 import subprocess
 import sys
+import time
 
 import numpy as np
 import pytest
 
-from move import cli, paths
+from move import choices, cli, paths
 from move.learn import dataset
 from move.report import notebooks
+from move.study.doctor import examine, locked_versions
 
 
 def move(capsys, *arguments: str) -> tuple[int, str, str]:
@@ -21,45 +23,6 @@ def move(capsys, *arguments: str) -> tuple[int, str, str]:
     return end.value.code, out, err
 
 
-@pytest.mark.parametrize(("arguments", "message"), [
-    (("collect", "--task", "juggling"), "task: 'juggling' given; allowed are pick-place"),
-    (("collect", "--method", "magic"), "method: 'magic' given; input should be 'static', 'adc', 'move' or 'mixture'"),
-    (("collect", "--timesteps", "-5"), "timesteps: -5 given; input should be greater than 0"),
-    (("collect", "--method", "static", "--object-speed", "0.1"), "object_speed: 0.1 given; nothing moves under"),
-    (("collect", "--camera-speed", "nan"), "camera_speed: nan given"),
-    (("collect", "--moving", "moon"), "'moon' given; input should be 'object', 'rotation', 'target' or 'camera'"),
-    (("collect", "--moving", ""), "moving.0: '' given"),
-    (("collect", "--method", "mixture"), "a mixture of nothing; allowed are shares of two methods or more"),
-    (("collect", "--method", "mixture", "--shares", "half"), "shares: 'half' given; allowed are methods with numbers"),
-    (("collect", "--method", "mixture", "--shares", "static=0.5,move=0.6"), "shares add up to 1.1; allowed is 1"),
-    (("collect", "--timesteps", "many"), "Input should be a valid integer"),
-    (("collect", "--observation", "smell"), "observation: 'smell' given"),
-    (("collect", "--tiemsteps", "5"), "No such option: --tiemsteps"),
-    (("train", "nowhere.zarr", "out"), "no demonstrations at nowhere.zarr"),
-    (("export", "nowhere.zarr", "out"), "no demonstrations at nowhere.zarr"),
-    (("export", "nowhere.zarr", "out", "--format", "hdf5"), "format: 'hdf5' given; allowed are lerobot, zarr"),
-    (("evaluate", "nowhere"), "no checkpoint in nowhere"),
-    (("evaluate",), "checkpoint: none given"),
-    (("evaluate", "--agent", "dog"), "agent: 'dog' given; allowed are policy"),
-    (("evaluate", "--agent", "nothing", "--episodes", "-1"), "episodes: -1 given"),
-    (("evaluate", "--agent", "nothing", "--factors", "moon"), "factors: 'moon' given; allowed are object"),
-    (("run", "--profile", "moon"), "profile: 'moon' given; allowed are"),
-    (("run", "--figure", "fig99"), "figure: 'fig99' given; allowed are fig1_sparse"),
-    (("plan", "--profile", "moon"), "profile: 'moon' given"),
-    (("figure", "fig99"), "notebook: 'fig99' given"),
-    (("figure", "fig1_sparse", "-p", "budget=5"), "no parameter budget; allowed are profile"),
-    (("figure", "fig1_sparse", "-p", "timesteps=1e4"), "text to YAML"),
-    (("figure", "fig1_sparse", "-p", "timesteps"), "allowed is name=value"),
-    (("dance",), "No such command 'dance'"),
-])
-def test_bad_input_is_one_clear_line_and_exit_code_2(capsys, tmp_path, monkeypatch, arguments, message):
-    monkeypatch.chdir(tmp_path)
-    code, out, err = move(capsys, *arguments)
-    assert (code, out) == (2, "")
-    assert message in err and err.count("\n") == 1
-    assert not list(tmp_path.iterdir())  # nothing half-written
-
-
 def test_ctrl_c_says_how_to_go_on(capsys, monkeypatch):
     def interrupted(*arguments, **keywords):
         raise KeyboardInterrupt
@@ -67,12 +30,6 @@ def test_ctrl_c_says_how_to_go_on(capsys, monkeypatch):
     monkeypatch.setattr("move.study.execute.execute", interrupted)
     code, _, err = move(capsys, "run", "--profile", "smoke")
     assert code == 130 and "the same command goes on" in err
-
-
-def test_a_results_folder_that_cannot_be_written_is_refused(capsys, tmp_path):
-    (tmp_path / "file").write_text("")
-    code, _, err = move(capsys, "run", "--profile", "smoke", "--results", str(tmp_path / "file"))
-    assert code == 2 and "cannot write to" in err
 
 
 def test_collect_train_evaluate_by_hand(capsys, tmp_path):
@@ -89,6 +46,111 @@ def test_collect_train_evaluate_by_hand(capsys, tmp_path):
     assert code == 2 and "learnt 'pick-place'" in err and err.count("\n") == 1
     code, out, _ = move(capsys, "evaluate", "--agent", "expert", "--episodes", "2")
     assert code == 0 and "success_rate" in out
+    assert move(capsys, "train", data, policy, "--profile", "smoke", "--json")[0] == 0  # goes on from what it holds
+
+
+def test_a_data_set_is_replaced_only_when_told_to(capsys, tmp_path):
+    data = tmp_path / "data.zarr"
+    collect = ("collect", "--timesteps", "50", "--out", str(data), "--json")
+    assert move(capsys, *collect)[0] == 0
+    code, _, err = move(capsys, *collect, "--seed", "1")
+    assert code == 2 and "data.zarr exists; allowed is a new folder, or --overwrite" in err
+    assert dataset.load(data)[1]["seed"] == 0
+    assert move(capsys, *collect, "--seed", "1", "--overwrite")[0] == 0
+    assert dataset.load(data)[1]["seed"] == 1 and [path.name for path in tmp_path.iterdir()] == ["data.zarr"]
+
+
+@pytest.mark.parametrize("command", ["collect", "export"])
+def test_a_full_disk_is_one_line_and_leaves_nothing(capsys, tmp_path, monkeypatch, command):
+    data = str(tmp_path / "data.zarr")
+    assert move(capsys, "collect", "--timesteps", "50", "--out", data, "--json")[0] == 0
+
+    def full(demonstrations, folder, attributes):
+        folder.mkdir(parents=True)
+        (folder / "half").write_text("half")
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(dataset, "_write", full)
+    monkeypatch.setattr("move.study.export.write_lerobot", full)
+    arguments = {"collect": ("--timesteps", "50", "--out", data, "--overwrite"),
+                 "export": (data, str(tmp_path / "out"))}
+    code, out, err = move(capsys, command, *arguments[command])
+    assert (code, out, err.count("\n")) == (2, "", 1) and "No space left on device" in err
+    monkeypatch.undo()
+    assert [path.name for path in tmp_path.iterdir()] == ["data.zarr"] and dataset.load(data)[0].timesteps == 50
+
+
+@pytest.mark.parametrize("output, code", [(">/dev/full", 2), (">&-", 0), ("| true", 1)])
+def test_an_output_that_takes_nothing_is_no_traceback(output, code):
+    command = f"set -o pipefail; {sys.executable} -m move.cli doctor --json {output}"
+    done = subprocess.run(["bash", "-c", command], cwd=paths.ROOT, capture_output=True, text=True)
+    assert done.returncode == code and "Traceback" not in done.stderr and done.stderr.count("\n") <= 1
+    assert code != 2 or "No space left on device" in done.stderr
+
+
+def test_help_lists_what_is_allowed_and_gives_examples(capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "300")
+    for command in ("collect", "export", "train", "evaluate", "run", "plan", "verify", "figure", "doctor"):
+        code, out, _ = move(capsys, command, "--help")
+        assert code == 0 and f"move {command}" in out.split("Examples:")[1]
+    code, out, _ = move(capsys, "evaluate", "--help")
+    assert all(word in "".join(out.split()) for word in ("goal-blind", "random|moving|grid", "disassemble"))
+    code, out, _ = move(capsys)
+    assert code == 0 and "--install-completion" in out
+
+
+def test_figures_and_methods_are_completed():
+    def complete(line: str) -> list[str]:
+        variables = {"_MOVE_COMPLETE": "complete_bash", "COMP_WORDS": line, "COMP_CWORD": str(len(line.split(" ")) - 1),
+                     "PATH": "/usr/bin:/bin"}
+        program = "from move.cli import main; main()"
+        return subprocess.run([sys.executable, "-c", program], cwd=paths.ROOT, env=variables, capture_output=True,
+                              text=True).stdout.split()
+
+    assert complete("move figure fig1") == ["fig1", "fig1_sparse"]
+    assert complete("move collect --method s") == ["static"]
+
+
+def test_short_and_long_names_mean_the_same_figure(capsys):
+    rows = [json.loads(move(capsys, "plan", name, "--profile", "smoke", "--json")[1])
+            for name in ("fig1", "fig1_sparse")]
+    assert rows[0] == rows[1] and [row["figure"] for row in rows[0]] == ["fig1_sparse"]
+    assert choices.notebook("fig8") == choices.notebook("table3") == "table3_real_robot"
+
+
+def test_a_plan_tells_what_a_change_would_cost(capsys):
+    def runs(*more: str) -> int:
+        return json.loads(move(capsys, "plan", "fig1", "--profile", "smoke", *more, "--json")[1])[0]["runs"]
+
+    assert runs("-p", "seeds=7", "-p", "identical_starts=0") == 14 != runs()
+
+
+@pytest.mark.parametrize("name, message, code, line", [
+    ("BadInput", "label: run given", 2, "label: run given"),
+    ("ValidationError", "1 validation error for Trial\nsize\n  Too small [type=x, input_value=-4, input_type=int]\n"
+     "    For further information visit https://errors.pydantic.dev", 2, "size: -4 given; Too small"),
+    ("KeyError", "first line\nsecond line", 1, "fig1_sparse.ipynb failed: KeyError: first line second line"),
+])
+def test_what_fails_inside_a_notebook_is_told_in_one_useful_line(capsys, monkeypatch, name, message, code, line):
+    from papermill.exceptions import PapermillExecutionError
+
+    def fail(*_, **__):
+        raise PapermillExecutionError(1, 1, "source", name, message, [])
+
+    monkeypatch.setattr("papermill.execute_notebook", fail)
+    ended, out, err = move(capsys, "figure", "fig1", "--profile", "smoke", "--stored-only")
+    assert (ended, out) == (code, "") and err.splitlines()[-1].startswith(f"move: {line}")
+    assert err.splitlines()[0] == "notebook fig1_sparse (1 of 1) (smoke) ..."
+
+
+def test_how_far_the_runs_of_a_notebook_are_is_watched(tmp_path, monkeypatch):
+    monkeypatch.setattr(paths, "RUNS", tmp_path)
+    (tmp_path / "a").mkdir()
+    (tmp_path / "a/progress").write_text("train 50 100")
+    seen = []
+    with notebooks.watched(["a", "b"], lambda done, total: seen.append((done, total))):
+        time.sleep(1.5)
+    assert seen == [(pytest.approx(0.475), 2)]
 
 
 def test_a_mixture_with_motions_of_ones_own_by_hand(capsys, tmp_path):
@@ -111,6 +173,13 @@ def test_plan_and_doctor_speak_json(capsys):
     assert code == (1 if any(check["outcome"] == "broken" for check in checks.values()) else 0)
 
 
+def test_doctor_checks_the_pins_that_hold_for_this_platform_alone():
+    pins = locked_versions(paths.LOCK.read_text())
+    assert len(pins) > 180 and {"numpy", "scipy", "zarr", "numcodecs", "av", "torch"} <= set(pins)
+    assert ("pywin32" in pins) is (sys.platform == "win32")
+    assert all(check["mend"] for check in examine() if check["outcome"] != "fine")
+
+
 def test_every_notebook_has_parameters_and_teaches():
     for name in notebooks.names():
         content = json.loads((paths.NOTEBOOKS / f"{name}.ipynb").read_text())
@@ -119,11 +188,6 @@ def test_every_notebook_has_parameters_and_teaches():
         assert not any(cell["outputs"] for cell in code)
         assert sum(cell["cell_type"] == "markdown" for cell in content["cells"]) >= 2
         assert all("def " not in "".join(cell["source"]) for cell in code)  # an algorithm belongs in the package
-
-
-def test_make_alone_prints_its_targets():
-    listed = subprocess.run(["make"], cwd=paths.ROOT, capture_output=True, text=True, check=True).stdout
-    assert all(target in listed for target in ("figures", "test", "plan", "verify", "lab", "bench", "fig1_sparse"))
 
 
 def test_without_gl_there_is_one_clear_line_and_keypoints_go_on():

@@ -87,20 +87,52 @@ def test_the_layout_is_that_of_a_diffusion_policy_replay_buffer(tmp_path):
     assert sorted(group["meta"].array_keys()) == ["episode_ends"]
 
 
-def test_saving_again_replaces_and_leaves_nothing_beside(tmp_path):
-    save(six_frames(), tmp_path / "six.zarr", {"version": 1})
-    save(six_frames(images=True), tmp_path / "six.zarr", {"version": 2})
-    assert load(tmp_path / "six.zarr")[1] == {"version": 2}
+def version(number: int) -> dict:
+    """Attributes of a collection, told apart by a number."""
+    return {"collection": {"task": "push"}, "version": number}
+
+
+def test_saving_again_replaces_when_told_to_and_leaves_nothing_beside(tmp_path):
+    save(six_frames(), tmp_path / "six.zarr", version(1))
+    with pytest.raises(BadInput, match="six.zarr exists; allowed is a new folder, or --overwrite"):
+        save(six_frames(images=True), tmp_path / "six.zarr", version(2))
+    save(six_frames(images=True), tmp_path / "six.zarr", version(3), overwrite=True)
+    assert load(tmp_path / "six.zarr")[1] == version(3)
     assert [path.name for path in tmp_path.iterdir()] == ["six.zarr"]
 
 
+@pytest.mark.parametrize("strange", ["thesis.txt", "data/notes.md", "data/action/0.0.bak", ".hidden", "meta/deep/er/0"])
+def test_nothing_is_replaced_that_was_not_written_here(tmp_path, strange):
+    path = tmp_path / "six.zarr"
+    save(six_frames(), path, version(1))
+    (path / strange).parent.mkdir(parents=True, exist_ok=True)
+    (path / strange).write_text("mine")
+    with pytest.raises(BadInput, match="exists and is not, or not only, a data set"):
+        save(six_frames(), path, version(2), overwrite=True)
+    assert (path / strange).read_text() == "mine" and load(path)[1] == version(1)
+
+
+def test_another_programs_data_set_a_file_and_a_link_are_left_alone(tmp_path):
+    save(six_frames(), tmp_path / "theirs.zarr", {"no": "mark"})
+    save(six_frames(), tmp_path / "ours.zarr", version(1))
+    (tmp_path / "file").write_text("mine")
+    (tmp_path / "link").symlink_to("ours.zarr")
+    (tmp_path / "dangling").symlink_to("nowhere")
+    (tmp_path / "empty").mkdir()
+    before = sorted(tmp_path.rglob("*"))
+    for name in ("theirs.zarr", "file", "link", "dangling", "empty"):
+        with pytest.raises(BadInput, match="exists and is not"):
+            save(six_frames(), tmp_path / name, version(2), overwrite=True)
+    assert sorted(tmp_path.rglob("*")) == before
+
+
 def test_a_failed_save_leaves_the_old_store(tmp_path, monkeypatch):
-    save(six_frames(), tmp_path / "six.zarr", {"version": 1})
-    monkeypatch.setattr(zarr, "create_group", lambda *a, **k: (_ for _ in ()).throw(OSError("disk full")))
-    with pytest.raises(OSError, match="disk full"):
-        save(six_frames(), tmp_path / "six.zarr", {"version": 2})
+    save(six_frames(), tmp_path / "six.zarr", version(1))
+    monkeypatch.setattr(zarr, "create_group", lambda *a, **k: (_ for _ in ()).throw(OSError(28, "No space left")))
+    with pytest.raises(BadInput, match="cannot write .*six.zarr: No space left"):
+        save(six_frames(), tmp_path / "six.zarr", version(2), overwrite=True)
     monkeypatch.undo()
-    assert load(tmp_path / "six.zarr")[1] == {"version": 1}
+    assert load(tmp_path / "six.zarr")[1] == version(1)
     assert [path.name for path in tmp_path.iterdir()] == ["six.zarr"]
 
 

@@ -92,7 +92,7 @@ def tampered(honest, tmp_path, monkeypatch):
     rows = [{**row, "steps": 1} for row in honest.rows]
     results.store(dataclasses.replace(honest, rows=rows), tmp_path)
     monkeypatch.setattr(paths, "results", lambda profile: tmp_path)
-    monkeypatch.setattr(cli, "chosen_specs", lambda profile, figures: {"figure": [honest.spec]})
+    monkeypatch.setattr(cli.study, "chosen_specs", lambda profile, figures: {"figure": [honest.spec]})
     return next(tmp_path.glob("*.json"))
 
 

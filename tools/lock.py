@@ -13,6 +13,8 @@ import sys
 import tempfile
 from pathlib import Path
 
+import platforms
+
 ROOT = Path(__file__).resolve().parent.parent
 CUDA = re.compile(r"^(nvidia-|cuda-|triton==)")
 HEADER = "# Written by `make lock` from pyproject.toml; do not edit.\n"
@@ -36,7 +38,7 @@ def local_torch_hash(pin: str) -> str:
 
 
 def main() -> None:
-    """Write the two lock files beside pyproject.toml."""
+    """Write the two lock files beside pyproject.toml, and on which platforms they can be installed."""
     blocks = resolve()
     for number, block in enumerate(blocks):
         if block.startswith("torch=="):
@@ -46,6 +48,7 @@ def main() -> None:
     for name, wanted in (("environment.lock", False), ("environment-cuda.lock", True)):
         kept = [block for block in blocks if bool(CUDA.match(block)) is wanted]
         (ROOT / name).write_text(HEADER + "\n".join(kept) + "\n")
+    platforms.main()
 
 
 if __name__ == "__main__":

@@ -14,9 +14,7 @@ What would reach over the edge of an episode repeats its first or its last times
 
 import json
 import math
-import os
-import shutil
-import uuid
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -25,12 +23,15 @@ import numpy as np
 import zarr
 
 from move.errors import BadInput
+from move.files import put_away_remains, refuse_unwritable, written_aside
 from move.sim.demonstrations import Demonstrations
 from move.untrusted import within
 from move.untrusted_zarr import PlainGroup, judge
 
 CHUNK_TIMESTEPS = 256
 OBSERVED = ("data/img", "data/keypoints", "data/state")  # the first one that is there
+MARK = "collection"  # an attribute of every data set that is made here
+WRITTEN = re.compile(r"\.z(group|attrs)|(data|meta)/(\.z(group|attrs)|\w+/(\.z(array|attrs)|\d+(\.\d+)*))")  # by `save`
 
 
 def window_indices(
@@ -56,28 +57,52 @@ def window_indices(
     return observed, predicted
 
 
-def save(demonstrations: Demonstrations, path: Path, attributes: dict[str, Any]) -> None:
+def save(demonstrations: Demonstrations, path: Path, attributes: dict[str, Any], overwrite: bool = False) -> None:
     """Write a zarr group in diffusion_policy's replay-buffer layout, or nothing at all.
 
         data/img or data/keypoints    data/action    meta/episode_ends    attributes (JSON)
 
-    An older group at `path` is replaced. The group is zarr format 2, which diffusion_policy itself can read.
-    Raises BadInput if the attributes are not JSON.
+    The group is zarr format 2, which diffusion_policy itself can read. An older one at `path` stays until the new one
+    is whole. Raises BadInput if the attributes are not JSON, and whatever `check_place` refuses.
     """
     try:
         json.dumps(attributes)
     except TypeError as error:
         raise BadInput(f"attributes that JSON cannot hold: {error}") from None
     path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    beside = path.with_name(f".{path.name}.{uuid.uuid4().hex}")
-    try:
+    check_place(path, overwrite)
+    with written_aside(path) as beside:
         _write(demonstrations, beside, attributes)
-        if path.exists():
-            shutil.rmtree(path)
-        os.replace(beside, path)
-    finally:
-        shutil.rmtree(beside, ignore_errors=True)
+
+
+def check_place(path: Path, overwrite: bool = False) -> None:
+    """Refuse a place where `save` could not or must not write, before any work is done.
+
+    Raises:
+        BadInput: nothing can be written there, or something is there: what is not a data set of ours in any case, and
+            one of ours unless `overwrite` is given.
+    """
+    refuse_unwritable(path)
+    put_away_remains(path)
+    if not path.exists() and not path.is_symlink():
+        return
+    if not _is_ours(path):
+        raise BadInput(f"{path} exists and is not, or not only, a data set of `move collect`; allowed is a new folder")
+    if not overwrite:
+        raise BadInput(f"{path} exists; allowed is a new folder, or --overwrite to replace this data set")
+
+
+def _is_ours(path: Path) -> bool:
+    """Whether `path` is a folder in which `save` wrote everything, with the mark of a collection."""
+    if path.is_symlink() or not path.is_dir():
+        return False
+    try:
+        attributes = json.loads((path / ".zattrs").read_text())
+    except (OSError, ValueError, RecursionError):
+        return False
+    written = [found.relative_to(path).as_posix() for found in path.rglob("*")
+               if found.is_symlink() or not found.is_dir()]
+    return isinstance(attributes, dict) and MARK in attributes and all(map(WRITTEN.fullmatch, written))
 
 
 def _write(demonstrations: Demonstrations, path: Path, attributes: dict[str, Any]) -> None:

@@ -38,8 +38,8 @@ class Evaluation(BaseModel):
         "object; or the policy's own demonstrations as they began ('own') or when they grasped ('grasp'). Stored JSON "
         "calls it layout"
     )
-    episodes: int = Field(default=100, gt=0, description="number of configurations, unless they are a grid")
-    grid_side: int = Field(default=12, gt=0, description="cells along a side of the grid")
+    episodes: int = Field(default=100, gt=0, le=10**5, description="number of configurations, unless they are a grid")
+    grid_side: int = Field(default=12, gt=0, le=300, description="cells along a side of the grid")
     factors: str = Field(default="all", description="what is random; a grid varies the object alone")
     points: Literal["none", "sparse", "circle"] = Field(default="none", description="grasp points tried besides a grid")
 

@@ -13,7 +13,10 @@ from pydantic import (
     model_validator,
 )
 
-Widths = Annotated[tuple[PositiveInt, ...], Field(strict=False, min_length=1)]  # YAML and JSON write tuples as lists
+Horizon = Annotated[int, Field(gt=0, le=1000)]
+Width = Annotated[int, Field(gt=0, le=2**14)]  # features or channels
+Depth = Annotated[int, Field(ge=0, le=200)]
+Widths = Annotated[tuple[Width, ...], Field(strict=False, min_length=1, max_length=10)]  # YAML writes tuples as lists
 GROUPS = 8  # of every group normalisation
 
 
@@ -33,14 +36,14 @@ class Training(BaseModel):
     encoder: Literal["keypoints", "small_cnn", "resnet18"] = Field(description="from one observation to features")
     denoiser: Literal["mlp", "unet"] = Field(description="from noisy actions to a prediction")
     target: Literal["sample", "noise"] = Field(default="sample", description="what the denoiser predicts")
-    observation_horizon: PositiveInt = Field(default=2, description="timesteps observed")
-    prediction_horizon: PositiveInt = Field(default=4, description="timesteps of actions predicted")
-    action_horizon: PositiveInt = Field(default=3, description="timesteps of actions executed")
-    diffusion_steps: PositiveInt = Field(default=100, description="noise levels in training")
-    inference_steps: PositiveInt = Field(default=10, description="DDIM steps that make an action")
-    gradient_steps: PositiveInt = Field(description="optimiser steps")
-    batch_size: PositiveInt = Field(default=128, description="windows in a gradient step")
-    noise_draws: PositiveInt = Field(default=1, description="noise levels tried on each window in a gradient step")
+    observation_horizon: Horizon = Field(default=2, description="timesteps observed")
+    prediction_horizon: Horizon = Field(default=4, description="timesteps of actions predicted")
+    action_horizon: Horizon = Field(default=3, description="timesteps of actions executed")
+    diffusion_steps: PositiveInt = Field(default=100, le=10**4, description="noise levels in training")
+    inference_steps: PositiveInt = Field(default=10, le=10**4, description="DDIM steps that make an action")
+    gradient_steps: PositiveInt = Field(le=10**7, description="optimiser steps")
+    batch_size: PositiveInt = Field(default=128, le=10**5, description="windows in a gradient step")
+    noise_draws: PositiveInt = Field(default=1, le=1000, description="noise levels tried on each window of a batch")
     learning_rate: PositiveFloat = Field(default=1e-4, description="of AdamW, after the warm-up")
     beta1: float = Field(default=0.95, gt=0, lt=1, description="of AdamW, decay of the mean gradient")
     beta2: float = Field(default=0.999, gt=0, lt=1, description="of AdamW, decay of the mean squared gradient")
@@ -57,12 +60,12 @@ class Training(BaseModel):
         default=None,
         description="newest frames of a window from which the encoder learns, the older ones pass it only; or all"
     )
-    cnn_width: PositiveInt = Field(default=32, description="channels of small_cnn")
-    cnn_blocks: NonNegativeInt = Field(default=2, description="residual blocks of small_cnn")
-    cnn_points: PositiveInt = Field(default=32, description="points that the spatial softmax locates")
+    cnn_width: Width = Field(default=32, description="channels of small_cnn")
+    cnn_blocks: Depth = Field(default=2, description="residual blocks of small_cnn")
+    cnn_points: Width = Field(default=32, description="points that the spatial softmax locates")
     softmax_gain: PositiveFloat = Field(default=1.0, description="on the first weights of small_cnn's spatial softmax")
-    mlp_width: PositiveInt = Field(default=256, description="features of the MLP denoiser")
-    mlp_depth: PositiveInt = Field(default=3, description="residual blocks of the MLP denoiser")
+    mlp_width: Width = Field(default=256, description="features of the MLP denoiser")
+    mlp_depth: Depth = Field(default=3, gt=0, description="residual blocks of the MLP denoiser")
     unet_widths: Widths = Field(
         default=(512, 1024, 2048), description="channels of the U-Net denoiser, finest level first"
     )

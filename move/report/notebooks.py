@@ -3,20 +3,25 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+import re
+import threading
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-import papermill
-from nbclient.exceptions import DeadKernelError
-from papermill.exceptions import PapermillExecutionError
-
 from move import paths
+from move.choices import notebook
+from move.choices import notebooks as names
 from move.errors import BadInput
+from move.report import parameters
 from move.report.changes import BY_COMMAND
-from move.study.experiments import EXPERIMENTS, runs
+from move.study.execute import PART_SHARE
+from move.study.experiments import EXPERIMENTS, defaults, runs, specs
 from move.study.profiles import Profile
+
+OnRuns = Callable[[float, int], None]
+"""Called with how many of the missing runs are done, one under way counted in part, and how many there are."""
 
 
 class NotebookFailed(RuntimeError):
@@ -26,33 +31,23 @@ class NotebookFailed(RuntimeError):
 STARTS = 2  # a kernel can lose the race for its ports once
 
 
-def names() -> list[str]:
-    """The notebooks that exist, by name; each makes the figure or table of the same name."""
-    return sorted(path.stem for path in paths.NOTEBOOKS.glob("*.ipynb"))
-
-
 def of_profile(profile: Profile) -> list[str]:
     """The notebooks that have something to show in `profile`: not those whose experiment asks it for no run."""
     return [name for name in names() if name not in EXPERIMENTS or runs(name, profile)]
 
 
 def notebook_parameters(name: str, profile: Profile, changes: dict[str, Any]) -> dict[str, Any]:
-    """The profile's parameters for notebook `name`, then `changes`, each known to its parameters cell.
+    """The profile's parameters for notebook `name`, then `changes`, each known to its parameters cell and allowed.
 
     Raises:
-        BadInput: an unknown notebook or parameter.
+        BadInput: an unknown notebook or parameter, or a value that is not allowed.
     """
-    if name not in names():
-        raise BadInput(f"notebook: {name!r} given; allowed are {', '.join(names())}")
-    given = {**profile.parameters(name), **changes, "profile": profile.name}
-    known = papermill.inspect_notebook(str(paths.NOTEBOOKS / f"{name}.ipynb"))
-    if unknown := set(given) - set(known):
-        raise BadInput(f"{name}.ipynb has no parameter {', '.join(sorted(unknown))}; allowed are {', '.join(known)}")
-    return given
+    return parameters.check(notebook(name), profile, changes)
 
 
 def run_notebook(
-    name: str, profile: Profile, changes: dict[str, Any] | None = None, stored_only: bool = False
+    name: str, profile: Profile, changes: dict[str, Any] | None = None, stored_only: bool = False,
+    on_runs: OnRuns | None = None,
 ) -> Path:
     """Execute notebook `name`; the executed copy stays under build/notebooks/.
 
@@ -62,20 +57,26 @@ def run_notebook(
         BadInput: parameters that the notebook does not have, or bad input found inside it.
         NotebookFailed: a cell failed, or the kernel died twice.
     """
+    import papermill  # slow to import, so after the names are checked
+    from nbclient.exceptions import DeadKernelError
+    from papermill.exceptions import PapermillExecutionError
+
     folder = paths.BUILD / "notebooks" / profile.name
-    folder.mkdir(parents=True, exist_ok=True)
     executed, problem = folder / f"{name}.ipynb", ""
     given = notebook_parameters(name, profile, changes or {})
+    folder.mkdir(parents=True, exist_ok=True)
     for _ in range(STARTS):
         try:
-            with _environment({BY_COMMAND: "1"} | ({"MOVE_STORED_ONLY": "1"} if stored_only else {})):
+            with (_environment({BY_COMMAND: "1"} | ({"MOVE_STORED_ONLY": "1"} if stored_only else {})),
+                   watched([] if stored_only else _missing(name, profile, changes or {}), on_runs)):
                 done = papermill.execute_notebook(
                     paths.NOTEBOOKS / f"{name}.ipynb", executed, given, kernel_name="python3", progress_bar=False,
                     cwd=paths.NOTEBOOKS, extra_arguments=["--log-level=ERROR"])
         except PapermillExecutionError as error:
-            if error.ename == "BadInput":
-                raise BadInput(error.evalue) from error
-            raise NotebookFailed(f"{name}.ipynb failed: {error.ename}: {error.evalue} (see {executed})") from error
+            if error.ename in ("BadInput", "ValidationError"):
+                raise BadInput(_useful(error.ename, error.evalue)) from error
+            reason = " ".join(error.evalue.split())[:300]
+            raise NotebookFailed(f"{name}.ipynb failed: {error.ename}: {reason} (see {executed})") from error
         except (DeadKernelError, RuntimeError) as error:
             problem = str(error)
             continue
@@ -83,6 +84,56 @@ def run_notebook(
             return executed
         problem = "the kernel died before the last cell"
     raise NotebookFailed(f"{name}.ipynb failed: {problem} (see {executed})")
+
+
+def _useful(kind: str, message: str) -> str:
+    """What a reader needs of an error inside a notebook.
+
+    >>> _useful("ValidationError", "1 validation error for A\\nsize\\n  small [type=x, input_value=-4, input_type=int]")
+    'size: -4 given; small'
+    """
+    if kind == "ValidationError" and (found := re.search(
+            r"\n(\S+)\n\s+(.*?) \[type=.*?input_value=(.*), input_type", message)):
+        return f"{found[1]}: {found[3]} given; {found[2]}"
+    return " ".join(message.split())
+
+
+def _missing(name: str, profile: Profile, changes: dict[str, Any]) -> list[str]:
+    """The hashes of the notebook's runs of which no result is stored."""
+    if name not in EXPERIMENTS:
+        return []
+    own = {key: value for key, value in changes.items() if key in defaults(name)}
+    folder = paths.results(profile)
+    found = dict.fromkeys(spec.hash for spec in specs(name, profile, own))
+    return [run for run in found if not (folder / f"{run}.json").exists()]
+
+
+@contextmanager
+def watched(missing: list[str], on_runs: OnRuns | None) -> Iterator[None]:
+    """While the runs of a notebook are computed elsewhere, report once a second how far they are."""
+    ended = threading.Event()
+
+    def watch() -> None:
+        while missing and on_runs and not ended.wait(1.0):
+            on_runs(sum(map(_done, missing)), len(missing))
+
+    watcher = threading.Thread(target=watch, daemon=True)
+    watcher.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        watcher.join()
+
+
+def _done(run: str) -> float:
+    """How much of a run is done, from the small file that it writes while it is under way."""
+    try:
+        part, done, total = (paths.RUNS / run / "progress").read_text().split()
+        start, share = PART_SHARE[part]
+        return start + share * int(done) / int(total)
+    except (OSError, ValueError, KeyError):
+        return 0.0
 
 
 @contextmanager

@@ -8,12 +8,12 @@ from typing import Annotated, Any, Literal, Self, get_args
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator, model_validator
 
+from move.choices import ExpertName, Method, Protocol
 from move.sim.motion.adc import Jumping
 from move.sim.motion.wrappers import Motions, Part, movable
 from move.sim.observe import IMAGE_SIZE, ObservationKind, ObservationSpec
 from move.sim.tasks import FACTORS, TASKS, get_task
 
-Method = Literal["static", "adc", "move", "mixture"]
 METHODS: tuple[str, ...] = get_args(Method)
 """All that exist; those of the paper are `move.paper.PAPER_METHODS`."""
 
@@ -37,12 +37,12 @@ class Collection(BaseModel):
 
     task: str = Field(description="a name in move.sim.tasks.TASKS")
     method: Method = Field(description="how it is collected")
-    timesteps: int = Field(gt=0, description="the budget, in steps of the environment")
+    timesteps: int = Field(gt=0, le=10**8, description="the budget, in steps of the environment")
     observation: ObservationKind = Field(default="keypoints", description="what is kept of each timestep")
     image_size: int = Field(default=IMAGE_SIZE, ge=16, le=512, description="pixels along a side")
     factors: str = Field(default="all", description="what is random: a name in move.sim.tasks.FACTORS")
-    protocol: Literal["random", "sparse", "dense", "circle"] = Field(default="random", description="where it grasps")
-    expert: Literal["phase", "metaworld"] = Field(default="phase", description="who demonstrates")
+    protocol: Protocol = Field(default="random", description="where it grasps")
+    expert: ExpertName = Field(default="phase", description="who demonstrates")
     motions: Motions = Field(default=Motions(), description="MOVE's motions before the choices below")
     jumping: Jumping = Field(default=Jumping(), description="when ADC's object and target jump")
     hand_spread: float = Field(

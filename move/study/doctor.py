@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import os
-import re
 from importlib.metadata import PackageNotFoundError, version
 
 import psutil
+from packaging.requirements import Requirement
 
 from move.machine import gl_problem, gl_renderer, processor
 from move.paths import LOCK
@@ -32,7 +32,7 @@ def _gl() -> Check:
     except Exception as error:  # whatever a GL driver raises: it cannot draw
         return _check("GL", "slow", f"cannot draw: {error}", "apt-get install libegl1 libgl1-mesa-dri")
     if "llvmpipe" in renderer:
-        return _check("GL", "slow", f"{renderer}: draws in SOFTWARE, 4-5 ms a picture", "none needed on a laptop")
+        return _check("GL", "fine", f"{renderer}: draws in software, 4-5 ms a picture, which is enough")
     return _check("GL", "fine", renderer)
 
 
@@ -48,13 +48,13 @@ def _memory() -> Check:
 
 
 def locked_versions(text: str) -> dict[str, str]:
-    """Package to version from a lock file in pip's format, for packages of every platform.
+    """Package to version from a lock file in pip's format, for the packages that this platform needs.
 
-    >>> locked_versions("numpy==2.4.6 --hash=sha256:0\\nsix==1.17.0 ; sys_platform == 'win32'")
+    >>> locked_versions("numpy==2.4.6 ; python_version > '3'\\n    --hash=sha256:0\\nsix==1.17.0 ; os_name == 'none'")
     {'numpy': '2.4.6'}
     """
-    lines = re.findall(r"^([\w.-]+)==([\w.]+)(.*)$", text, re.MULTILINE)
-    return {name: pinned for name, pinned, rest in lines if ";" not in rest}
+    pins = [Requirement(line.rstrip(" \\")) for line in text.splitlines() if line[:1].isalnum()]
+    return {pin.name: str(pin.specifier).removeprefix("==") for pin in pins if not pin.marker or pin.marker.evaluate()}
 
 
 def _versions() -> list[Check]:

@@ -19,9 +19,6 @@ images alone, as here, so its state says nothing.
 from __future__ import annotations
 
 import json
-import os
-import shutil
-import uuid
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +29,7 @@ import pyarrow.parquet as pq
 from pydantic import ValidationError
 
 from move.errors import BadInput
+from move.files import refuse_existing, written_aside
 from move.learn import dataset
 from move.realworld.lerobot_files import scalar_columns, scalar_features, vectors
 from move.sim.collection import Collection
@@ -75,22 +73,15 @@ def export(data: Path, out: Path, form: str, clip_actions: bool = False, whole_e
     if form not in FORMATS:
         raise BadInput(f"format: {form!r} given; allowed are {', '.join(FORMATS)}")
     out = Path(out)
-    if out.exists():
-        raise BadInput(f"{out} exists; allowed is a new folder")
+    refuse_existing(out)
     demonstrations, attributes = dataset.load(data, clip_actions)
     if whole_episodes:
         demonstrations, attributes = whole(demonstrations, attributes), {**attributes, "whole_episodes": True}
-    beside = out.with_name(f".{out.name}.{uuid.uuid4().hex}")
-    try:
-        if form == "zarr":
-            dataset.save(demonstrations, beside, attributes)
-        else:
+    if form == "zarr":
+        dataset.save(demonstrations, out, attributes)
+    else:
+        with written_aside(out) as beside:
             write_lerobot(demonstrations, beside, attributes)
-        os.replace(beside, out)
-    except OSError as error:
-        raise BadInput(f"cannot write {out}: {error.strerror}; a writable folder is needed") from error
-    finally:
-        shutil.rmtree(beside, ignore_errors=True)
     size = sum(path.stat().st_size for path in out.rglob("*") if path.is_file())
     return {"path": str(out), "format": form, "episodes": demonstrations.episodes,
             "timesteps": demonstrations.timesteps,

@@ -34,7 +34,7 @@ def plan_rows(profile: Profile, figures: dict[str, list[RunSpec]]) -> list[dict[
     rows: list[dict[str, Any]] = []
     runs: set[str] = set()
     policies: set[str] = set()
-    minutes = dict(profile.minutes)
+    minutes: dict[str, float] = {seen: minutes for seen, minutes in profile.minutes.items()}
     for figure, specs in figures.items():
         there, missing = split(specs, results(profile))
         todo = {spec.hash: spec for spec, _ in missing if spec.hash not in runs}
@@ -66,7 +66,7 @@ def _why(reasons: list[str]) -> str:
 def plan_title(profile: Profile) -> str:
     """One line on what the hours of `plan_rows` are hours of."""
     if profile.minutes:
-        return f"Profile {profile.name}: what `move run` would do (core-hours)"
+        return f"Profile {profile.name}: what `move run` would do (hours, a run at a time on one core)"
     on_gpu = best_device() == "cuda"
     unit = f"GPU-hours of one {accelerator()}" if on_gpu else f"CORE-hours of {processor()}: no GPU here"
     return f"Profile {profile.name}: what `move run` would do ({unit}; gradient steps alone, from a step measured now)"

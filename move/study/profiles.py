@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Self
+from pathlib import Path
+from typing import Annotated, Any, Self
 
 import numpy as np
-import yaml
-from pydantic import BaseModel, ConfigDict, Field, PositiveInt, ValidationError, model_validator
+from pydantic import BaseModel, ConfigDict, Field, PositiveInt, ValidationError, field_validator, model_validator
 
+from move import yaml_text
+from move.choices import Method, notebooks
 from move.errors import BadInput
 from move.learn.settings import Training
 from move.machine import gl_problem
 from move.paths import PROFILES
-from move.sim.collection import Method
-from move.sim.observe import IMAGE_SIZE
+from move.sim.observe import IMAGE_SIZE, ObservationKind
 from move.validation import first_problem
+
+Minutes = Annotated[float, Field(gt=0, le=10**6, allow_inf_nan=False)]
 
 
 class Profile(BaseModel):
@@ -38,13 +41,17 @@ class Profile(BaseModel):
         default_factory=dict, description="by method: fields of Collection that its runs have where an experiment "
         "chooses none"
     )
-    training: dict[str, Training] = Field(description="the recipe for each observation, alike for all methods")
-    gradient_steps: dict[str, dict[PositiveInt, PositiveInt]] = Field(
+    training: dict[ObservationKind, Training] = Field(
+        description="the recipe for each observation, alike for all methods"
+    )
+    gradient_steps: dict[ObservationKind, dict[PositiveInt, PositiveInt]] = Field(
         default_factory=dict, description="by observation: gradient steps for so many timesteps of data"
     )
     notebooks: dict[str, dict[str, Any]] = Field(description="parameters that differ from the notebook's own")
     without_gl: dict[str, dict[str, Any]] = Field(default_factory=dict, description="the same, where nothing can draw")
-    minutes: dict[str, float] = Field(default_factory=dict, description="core-minutes of a run, by observation")
+    minutes: dict[ObservationKind, Minutes] = Field(
+        default_factory=dict, description="of a run alone on one core, by observation"
+    )
 
     @model_validator(mode="after")
     def _steps_begin_with_the_recipes_own(self) -> Self:
@@ -53,6 +60,13 @@ class Profile(BaseModel):
             if not steps or steps[min(steps)] != own:
                 raise ValueError(f"gradient_steps {observation}: smallest budget must have what training has, {own}")
         return self
+
+    @field_validator("notebooks", "without_gl")
+    @classmethod
+    def _of_notebooks_that_exist(cls, changed: dict[str, dict[str, Any]]) -> dict[str, dict[str, Any]]:
+        if unknown := sorted(set(changed) - set(notebooks())):
+            raise ValueError(f"no notebook {', '.join(unknown)}; allowed are {', '.join(notebooks())}")
+        return changed
 
     def parameters(self, notebook: str) -> dict[str, Any]:
         """What this profile changes in `notebook`, on this machine."""
@@ -83,38 +97,17 @@ def names() -> list[str]:
     return sorted(path.stem for path in PROFILES.glob("*.yaml"))
 
 
-def read_yaml(path) -> Any:
+def read_yaml(path: Path) -> Any:
     """A YAML file's content.
 
     Raises:
-        BadInput: not YAML, or a number like 1e-4, which YAML reads as text.
+        BadInput: a file that cannot be read, or what `move.yaml_text.read` refuses.
     """
     try:
-        content = yaml.safe_load(path.read_text())
-    except (OSError, yaml.YAMLError) as error:
-        raise BadInput(f"{path}: not readable as YAML: {' '.join(str(error).split())}") from error
-    refuse_text_numbers(content, str(path))
-    return content
-
-
-def refuse_text_numbers(content: Any, where: str) -> None:
-    """Refuse texts that were meant as numbers, such as 1e-4.
-
-    Raises:
-        BadInput: such a text; the message says how to write it.
-    """
-    if isinstance(content, dict):
-        for key, value in content.items():
-            refuse_text_numbers(value, f"{where}: {key}")
-    elif isinstance(content, list):
-        for value in content:
-            refuse_text_numbers(value, where)
-    elif isinstance(content, str):
-        try:
-            number = float(content)
-        except ValueError:
-            return
-        raise BadInput(f"{where}: {content!r} is text to YAML; write the number as {number!r} or like 1.0e-4")
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise BadInput(f"{path}: not readable as YAML: {error}") from error
+    return yaml_text.read(text, str(path))
 
 
 def load_profile(name: str) -> Profile:

@@ -14,6 +14,7 @@ from typing import Annotated, ClassVar, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, model_validator
 
+from move.choices import Control
 from move.learn.evaluate import Evaluation
 from move.learn.settings import Training
 from move.sim.collection import Collection
@@ -99,7 +100,7 @@ class ControlRun(_Run):
 
     kind: ClassVar[str] = "control"
 
-    agent: Literal["nothing", "random", "expert", "goal-blind"] = Field(alias="player")
+    agent: Control = Field(alias="player")
     collection: None = None
     training: None = None
 

@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import json
 import tempfile
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +17,7 @@ import numpy as np
 from move.errors import BadInput
 from move.intervals import wilson_interval
 from move.study import run as running
+from move.study.execute import PART_SHARE
 from move.study.results import NOT_COMPUTED, Result, load, read_content, reason_of, split
 from move.study.spec import PolicyRun, RunSpec, run_spec_from_json
 
@@ -29,7 +32,10 @@ def draw_sample(results: list[Result], sample: int, rng: np.random.Generator) ->
     return (pixels + [result for result in order if result not in pixels])[:sample]
 
 
-def verify(specs: list[RunSpec], folder: Path, sample: int, rng: np.random.Generator) -> list[dict[str, Any]]:
+def verify(
+    specs: list[RunSpec], folder: Path, sample: int, rng: np.random.Generator,
+    on_step: Callable[[float, int], None] | None = None,
+) -> list[dict[str, Any]]:
     """Recompute a drawn sample of the stored results from nothing; one row each, `same` says how it came out.
 
     On the same processor, accelerator, GL renderer and precision every row has to be the same. Elsewhere rounding
@@ -44,7 +50,9 @@ def verify(specs: list[RunSpec], folder: Path, sample: int, rng: np.random.Gener
     if not there and not unusable:
         raise BadInput(f"verify: no stored result in {folder}; run `move run` first")
     rows = [_row(spec, False, "not at all", difference=why) for spec, why in unusable.values()]
-    return rows + [_recompute(stored) for stored in draw_sample(there, sample, rng)]
+    drawn = draw_sample(there, sample, rng)
+    return rows + [_recompute(stored, partial(_report, on_step, number, len(drawn)))
+                   for number, stored in enumerate(drawn)]
 
 
 def _row(spec: RunSpec, same: bool, judged: str, stored_rate: float | None = None, recomputed_rate: float | None = None,
@@ -53,9 +61,17 @@ def _row(spec: RunSpec, same: bool, judged: str, stored_rate: float | None = Non
             "recomputed_rate": recomputed_rate, "difference": difference or "none"}
 
 
-def _recompute(stored: Result) -> dict[str, Any]:
+def _report(on_step: Callable[[float, int], None] | None, before: int, drawn: int, part: str, done: int, total: int
+            ) -> None:
+    """Say how many of the drawn runs are recomputed, the one under way counted in part."""
+    start, share = PART_SHARE[part]
+    if on_step:
+        on_step(before + start + share * done / total, drawn)
+
+
+def _recompute(stored: Result, on_progress: running.OnProgress | None = None) -> dict[str, Any]:
     with tempfile.TemporaryDirectory() as scratch:
-        again = running.run(stored.spec, Path(scratch) / "results", scratch=Path(scratch) / "runs")
+        again = running.run(stored.spec, Path(scratch) / "results", on_progress, scratch=Path(scratch) / "runs")
     other = _elsewhere(stored, again)
     different = first_difference(stored.rows, again.rows)
     if other:

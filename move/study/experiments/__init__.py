@@ -29,10 +29,10 @@ from move.study.experiments.dimensions import fig6_dimensions, fig7_speed
 from move.study.experiments.why import equal_demonstrations, fig_coverage, fig_mixture, fig_perception
 from move.study.experiments.ablations import RECIPE_CHANGES, fig_training_length, table_adc, table_recipe
 from move.study.experiments.controls import keypoint_control, table6_collection, table_keypoint_control
-from move.study.experiments.registry import EXPERIMENTS, experiment, parameters, runs, specs
+from move.study.experiments.registry import EXPERIMENTS, defaults, experiment, parameters, runs, specs
 
 __all__ = [
-    "EXPERIMENTS", "HAND_SPREAD", "RECIPE_CHANGES", "equal_demonstrations", "experiment", "fig1_sparse",
+    "EXPERIMENTS", "HAND_SPREAD", "RECIPE_CHANGES", "defaults", "equal_demonstrations", "experiment", "fig1_sparse",
     "fig3_dense", "fig4_scaling", "fig5_circle", "fig6_dimensions", "fig7_speed", "fig_coverage", "fig_mixture",
     "fig_perception", "fig_training_length", "generalization", "keypoint_control", "parameters", "rollouts",
     "runs", "specs", "table1_spatial_factors", "table2_main", "table6_collection", "table_adc",

@@ -9,7 +9,7 @@ from move.learn.evaluate import Evaluation
 from move.paper import PAPER_TASKS
 from move.sim.motion.adc import JUMPS
 from move.study.experiments.budgets import budgets
-from move.study.experiments.registry import Count, Multiple, experiment
+from move.study.experiments.registry import Count, Multiple, Repeats, experiment
 from move.study.kinds import policy_run
 from move.study.labels import LabelledRun, distinct, grid
 from move.study.profiles import Profile
@@ -50,7 +50,7 @@ def table_recipe(
 @experiment
 def fig_training_length(
     profile: Profile, tasks: tuple[str, ...] = ("pick-place", "push", "window-open"),
-    lengths: tuple[Multiple, ...] = (1 / 3, 1, 3), seeds: Count = 2, episodes: Count = 100,
+    lengths: tuple[Multiple, ...] = (1 / 3, 1, 3), seeds: Repeats = 2, episodes: Count = 100,
     most_timesteps: Count = 20_000,
 ) -> list[LabelledRun]:
     """Does MOVE minus static depend on how long one trains? The recipe's gradient steps times each of `lengths`.
@@ -65,7 +65,7 @@ def fig_training_length(
 @experiment
 def table_adc(
     profile: Profile, pixel_tasks: tuple[str, ...] = PAPER_TASKS, tasks: tuple[str, ...] = PAPER_TASKS,
-    periodic_tasks: tuple[str, ...] = ("pick-place", "window-open"), timesteps: Count = 2500, seeds: Count = 3,
+    periodic_tasks: tuple[str, ...] = ("pick-place", "window-open"), timesteps: Count = 2500, seeds: Repeats = 3,
     episodes: Count = 100, most_timesteps: Count = 20_000,
 ) -> list[LabelledRun]:
     """Which reading of ADC is the stronger baseline: one seed from pixels at table 2's budget, `seeds` from keypoints.

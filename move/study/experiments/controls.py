@@ -8,7 +8,7 @@ from move.paper import PAPER_METHODS, PAPER_TASKS
 from move.sim.experts.phase import EXPERTS
 from move.sim.observe import IMAGE_SIZE
 from move.study.experiments.floors import floors_and_ceilings
-from move.study.experiments.registry import Count, experiment
+from move.study.experiments.registry import Count, Repeats, experiment
 from move.study.kinds import collector_run, policy_run
 from move.study.labels import LabelledRun, grid
 from move.study.profiles import Profile
@@ -18,7 +18,7 @@ UNUSED_IMAGE_SIZE = IMAGE_SIZE  # enters the hashes of these runs from keypoints
 
 @experiment
 def keypoint_control(
-    profile: Profile, timesteps: tuple[Count, ...] = (1250, 2500, 5000), seeds: Count = 5, episodes: Count = 100
+    profile: Profile, timesteps: tuple[Count, ...] = (1250, 2500, 5000), seeds: Repeats = 5, episodes: Count = 100
 ) -> list[LabelledRun]:
     """Pick-Place with all factors random and perception given: three methods at several budgets, and the expert."""
     base = partial(policy_run, profile, task="pick-place", observation="keypoints", image_size=UNUSED_IMAGE_SIZE,
@@ -36,7 +36,7 @@ def table6_collection(profile: Profile, attempts: Count = 100) -> list[LabelledR
 
 @experiment
 def table_keypoint_control(
-    profile: Profile, timesteps: Count = 2500, seeds: Count = 3, episodes: Count = 100,
+    profile: Profile, timesteps: Count = 2500, seeds: Repeats = 3, episodes: Count = 100,
     larger: Count = 10_000, larger_tasks: tuple[str, ...] = ("assembly", "hammer", "basketball"),
 ) -> list[LabelledRun]:
     """Every task from keypoints, three methods at one budget, between each task's floor and ceiling.

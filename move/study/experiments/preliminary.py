@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 
 from move.sim.tasks import FACTORS
-from move.study.experiments.registry import Count, Observation, Seeds, experiment
+from move.study.experiments.registry import Count, Counts, Observation, Repeats, Seeds, experiment
 from move.study.kinds import policy_run
 from move.study.labels import LabelledRun, grid
 from move.study.profiles import Profile
@@ -16,7 +16,7 @@ HAND_SPREAD = 0.03  # metres; how far to each side the hand starts in the demons
 
 @experiment
 def fig1_sparse(
-    profile: Profile, observation: Observation = "rgb", timesteps: Count = 7000, seeds: Count = 5,
+    profile: Profile, observation: Observation = "rgb", timesteps: Count = 7000, seeds: Repeats = 5,
     identical_starts: Seeds = 3, grid_side: Count = 12,
 ) -> list[LabelledRun]:
     """Nine grasp points, static against MOVE, equal timesteps; a grid over the 30 x 30 cm object space (figure 1).
@@ -30,8 +30,8 @@ def fig1_sparse(
 
 @experiment
 def fig3_dense(
-    profile: Profile, observation: Observation = "rgb", timesteps: tuple[Count, ...] = (7000, 3500, 2000),
-    seeds: Count = 3, identical_starts: Seeds = 3, grid_side: Count = 12,
+    profile: Profile, observation: Observation = "rgb", timesteps: Counts = (7000, 3500, 2000),
+    seeds: Repeats = 3, identical_starts: Seeds = 3, grid_side: Count = 12,
 ) -> list[LabelledRun]:
     """Grasp points anywhere, the same for static and MOVE, equal timesteps; a grid over the object space (figure 3).
 
@@ -45,7 +45,7 @@ def fig3_dense(
 
 @experiment
 def fig5_circle(
-    profile: Profile, observation: Observation = "rgb", timesteps: Count = 7000, seeds: Count = 5,
+    profile: Profile, observation: Observation = "rgb", timesteps: Count = 7000, seeds: Repeats = 5,
     identical_starts: Seeds = 3, grid_side: Count = 12,
 ) -> list[LabelledRun]:
     """Twenty grasp points on a circle, motion inside it; a grid over the object space, in and out (figure 5)."""
@@ -64,7 +64,7 @@ def _grasp_points(
 
 @experiment
 def table1_spatial_factors(
-    profile: Profile, observation: Observation = "rgb", timesteps: Count = 20_000, seeds: Count = 3,
+    profile: Profile, observation: Observation = "rgb", timesteps: Count = 20_000, seeds: Repeats = 3,
     episodes: Count = 100,
 ) -> list[LabelledRun]:
     """Pick-Place as its object, then its target, then camera and hand become random; static and MOVE (table 1)."""

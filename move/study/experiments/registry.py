@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Annotated, Any, Literal
 
 from pydantic import Field, ValidationError, validate_call
@@ -15,9 +15,11 @@ from move.study.profiles import Profile
 from move.study.spec import RunSpec
 from move.validation import first_problem
 
-Count = Annotated[int, Field(gt=0, strict=True)]
-Multiple = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-Seeds = Annotated[int, Field(ge=0, strict=True)]
+Count = Annotated[int, Field(gt=0, strict=True)]  # of what has its largest number elsewhere: timesteps, episodes
+Counts = Annotated[tuple[Count, ...], Field(min_length=1)]
+Repeats = Annotated[int, Field(gt=0, le=1000, strict=True)]
+Multiple = Annotated[float, Field(gt=0, le=1000, allow_inf_nan=False)]
+Seeds = Annotated[int, Field(ge=0, le=1000, strict=True)]
 Observation = Literal["rgb", "keypoints"]
 Experiment = Callable[..., list[LabelledRun]]
 
@@ -54,29 +56,30 @@ def defaults(name: str) -> dict[str, Any]:
     return {key: parameter.default for key, parameter in found.items() if key != "profile"}
 
 
-def parameters(name: str, profile: Profile) -> dict[str, Any]:
-    """The parameters of an experiment in `profile`: the function's own defaults and what the YAML changes.
+def parameters(name: str, profile: Profile, changes: Mapping[str, Any] | None = None) -> dict[str, Any]:
+    """The parameters of an experiment: the function's own defaults, what the profile's YAML changes, then `changes`.
 
     Raises:
         BadInput: an unknown experiment or parameter.
     """
     own, changed = defaults(name), profile.parameters(name)
-    if unknown := set(changed) - set(own):
-        raise BadInput(f"profile {profile.name}: {name} has no parameter {', '.join(sorted(unknown))}; "
-                       f"allowed are {', '.join(own)}")
-    return {**own, **changed}
+    for where, given in ((f"profile {profile.name}: ", changed), ("", changes or {})):
+        if unknown := set(given) - set(own):
+            raise BadInput(f"{where}{name} has no parameter {', '.join(sorted(unknown))}; "
+                           f"allowed are {', '.join(own)}")
+    return {**own, **changed, **(changes or {})}
 
 
-def runs(name: str, profile: Profile) -> list[LabelledRun]:
-    """The labelled runs of an experiment in `profile`.
+def runs(name: str, profile: Profile, changes: Mapping[str, Any] | None = None) -> list[LabelledRun]:
+    """The labelled runs of an experiment in `profile`, with `changes` of its parameters.
 
     Raises:
         BadInput: an unknown experiment or parameter, or a value that is not allowed.
     """
-    chosen = parameters(name, profile)
+    chosen = parameters(name, profile, changes)
     return EXPERIMENTS[name](profile, **chosen)
 
 
-def specs(name: str, profile: Profile) -> list[RunSpec]:
+def specs(name: str, profile: Profile, changes: Mapping[str, Any] | None = None) -> list[RunSpec]:
     """The same runs without their labels."""
-    return [run.spec for run in runs(name, profile)]
+    return [run.spec for run in runs(name, profile, changes)]

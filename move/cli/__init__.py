@@ -1,0 +1,75 @@
+"""The command line: move collect | export | train | evaluate | run | plan | verify | figure | doctor.
+
+Bad input ends with one line on standard error and exit code 2; a run that failed ends with exit code 1. What is slow to
+import is imported by the command that needs it, once names are checked.
+
+by_hand.py      collect, export, train, evaluate
+study.py        run, plan, verify, figure, doctor
+parameters.py   -p name=value
+options.py      the program, and options that several commands have
+output.py       tables, JSON, bars, paths
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import warnings
+
+import typer
+
+from move.cli import by_hand, study
+from move.cli.options import app
+from move.errors import BadInput
+
+__all__ = ["app", "by_hand", "main", "study"]
+
+INTERRUPTED = 130  # exit code after Ctrl-C
+
+
+def main() -> None:
+    """Run the command line; turn every kind of bad input into one line and exit code 2."""
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:  # closed by whoever called
+            setattr(sys, name, open(os.devnull, "w"))
+    if not sys.warnoptions:
+        warnings.filterwarnings("ignore", category=UserWarning, module="gymnasium|metaworld")
+    code = _outcome()
+    if code == INTERRUPTED:  # which is also what typer makes of Ctrl-C
+        typer.echo("move: interrupted; the same command goes on from here", err=True)
+    sys.exit(code)
+
+
+def _outcome() -> int:
+    """The exit code of the command that was asked for."""
+    try:
+        code = app(args=sys.argv[1:] or ["--help"], prog_name="move", standalone_mode=False)
+        sys.stdout.flush()
+    except BadInput as problem:
+        return _refuse(str(problem), 2)
+    except typer.TyperException as problem:
+        return _refuse(problem.format_message().replace("Value error, ", ""), 2)
+    except (typer.Abort, KeyboardInterrupt):
+        return INTERRUPTED
+    except BrokenPipeError:  # whoever read the output has gone, as `head` does
+        _drop_output()
+        return 1
+    except OSError as error:
+        _drop_output()
+        return _refuse(f"{error.filename or 'output'}: {error.strerror or error}", 2)
+    except (FloatingPointError, MemoryError) as error:
+        return _refuse(f"failed: {str(error) or 'not enough memory'}", 1)
+    return code if isinstance(code, int) else 0
+
+
+def _refuse(line: str, code: int) -> int:
+    typer.echo(f"move: {' '.join(line.split())}", err=True)
+    return code
+
+
+def _drop_output() -> None:
+    """Let what is still to be written go nowhere, so that Python does not try again at its end."""
+    try:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    except (OSError, ValueError):  # an output that is no file, as in tests
+        sys.stdout = open(os.devnull, "w")

@@ -1,0 +1,214 @@
+"""By hand: collect, export, train, evaluate."""
+
+from __future__ import annotations
+
+import re
+import time
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Annotated, Literal, Optional
+
+import typer
+
+from move.choices import Control, ExpertName, ExportFormat, Factors, Method, Protocol
+from move.cli.options import ClipActions, Json, ProfileName, Seed, Task, app, examples
+from move.cli.output import progress, show
+from move.errors import BadInput
+from move.files import refuse_unwritable
+from move.sim.observe import IMAGE_SIZE, ObservationKind
+
+Speed = Annotated[Optional[float], typer.Option(help="the largest under MOVE, metres per step")]
+Turn = Annotated[Optional[float], typer.Option(help="the largest under MOVE, radians per step")]
+OF_A_CHECKPOINT = re.compile(r"run\.json|tensors-\d+\.safetensors|\.?[\w.-]+\.(part|old|lock)|lock")
+
+
+@app.command(epilog=examples(
+    "move collect --task push --method adc --timesteps 5000",
+    "move collect --observation rgb --image-size 64 --out push.zarr --overwrite",
+    "move collect --object-speed 0.06 --moving object,target",
+    "move collect --method mixture --shares static=0.5,move=0.5"))
+def collect(
+    out: Annotated[Optional[Path], typer.Option(help="zarr folder to write (default: under build/data)")] = None,
+    task: Task = "pick-place",
+    method: Annotated[Method, typer.Option(help="how it is collected")] = "move",
+    timesteps: Annotated[int, typer.Option(help="budget in steps of the environment")] = 2500,
+    observation: Annotated[ObservationKind, typer.Option(help="what is kept of each timestep")] = "keypoints",
+    image_size: Annotated[Optional[int], typer.Option(help=f"of rgb, pixels along a side ({IMAGE_SIZE})")] = None,
+    factors: Annotated[Optional[Factors], typer.Option(
+        help="what is random (all; the object under a protocol)")] = None,
+    protocol: Annotated[Protocol, typer.Option(help="where it grasps")] = "random",
+    expert: Annotated[ExpertName, typer.Option(help="who demonstrates")] = "phase",
+    object_speed: Speed = None,
+    target_speed: Speed = None,
+    camera_speed: Turn = None,
+    moving: Annotated[Optional[str], typer.Option(help="what moves, such as object,target (default: all)")] = None,
+    shares: Annotated[Optional[str], typer.Option(help="of a mixture, such as static=0.5,move=0.5")] = None,
+    seed: Seed = 0,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace the data set that is there")] = False,
+    as_json: Json = False,
+) -> None:
+    """Collect demonstrations under an exact budget of timesteps."""
+    from move import paths
+    from move.learn import dataset
+    from move.sim import collect as collecting
+    from move.validation import build
+
+    if image_size is not None and observation != "rgb":
+        raise BadInput(f"image_size: {image_size} given with keypoints; allowed with --observation rgb")
+    if protocol != "random" and factors not in (None, "object"):
+        raise BadInput(f"factors: {factors!r} given with protocol {protocol!r}, which prescribes where all begins but "
+                       "the object; allowed is object")
+    chosen = build(collecting.Collection, task=task, method=method, timesteps=timesteps, observation=observation,
+                   image_size=IMAGE_SIZE if image_size is None else image_size,
+                   factors=factors or ("all" if protocol == "random" else "object"), protocol=protocol, expert=expert,
+                   object_speed=object_speed, target_speed=target_speed, camera_speed=camera_speed,
+                   moving=moving.split(",") if moving is not None else None, shares=_shares(shares))
+    path = out or paths.BUILD / "data" / f"{task}-{method}-{protocol}-{observation}-{timesteps}-{seed}.zarr"
+    dataset.check_place(path, overwrite)
+    with progress("collect") as report:
+        demonstrations, record = collecting.collect(chosen, seed, report)
+    attributes = collecting.record_attributes(chosen, seed, record)
+    dataset.save(demonstrations, path, attributes, overwrite)
+    content = {"path": str(path.absolute()), "task": task, "method": method, **attributes["record"]}
+    content["wall_seconds"] = content.pop("seconds")
+    content["steps_per_second"] = record.attempts * record.mean_steps / record.seconds
+    if not as_json:
+        per_demonstration = ("grasp_points", "starts", "grasps", "jumps")
+        content = {name: value for name, value in content.items() if name not in per_demonstration}
+    show(content, as_json, "Demonstrations")
+
+
+def _shares(text: str | None) -> dict[str, float]:
+    """`static=0.5,move=0.5` as a mapping."""
+    try:
+        return {name: float(share) for name, share in (part.split("=") for part in text.split(","))} if text else {}
+    except ValueError as error:
+        raise BadInput(f"shares: {text!r} given; allowed are methods with numbers, such as static=0.5,move=0.5"
+                       ) from error
+
+
+@app.command(epilog=examples("move export build/data/NAME.zarr build/lerobot/NAME",
+                             "move export build/data/NAME.zarr copy.zarr --format zarr"))
+def export(
+    data: Annotated[Path, typer.Argument(help="zarr folder that `move collect` wrote")],
+    out: Annotated[Path, typer.Argument(help="new folder to write")],
+    form: Annotated[ExportFormat, typer.Option("--format", help="LeRobot's v3.0, or diffusion_policy's zarr")
+                    ] = "lerobot",
+    clip_actions: ClipActions = False,
+    whole_episodes: Annotated[bool, typer.Option("--whole-episodes", help="without the one cut by the budget")] = False,
+    as_json: Json = False,
+) -> None:
+    """Write collected demonstrations as another program's data set."""
+    from move.study.export import export as write
+
+    show(write(data, out, form, clip_actions, whole_episodes), as_json, "Exported")
+
+
+@app.command(epilog=examples("move train build/data/NAME.zarr build/policy",
+                             "move train build/data/NAME.zarr build/policy --gradient-steps 600 --seed 1"))
+def train(
+    data: Annotated[Path, typer.Argument(help="zarr folder: of `move collect`, or another replay buffer with images")],
+    out: Annotated[Path, typer.Argument(help="folder for the checkpoint; training goes on from what it holds")],
+    profile: ProfileName = "laptop",
+    gradient_steps: Annotated[Optional[int], typer.Option(help="instead of the profile's")] = None,
+    clip_actions: ClipActions = False,
+    seed: Seed = 0,
+    as_json: Json = False,
+) -> None:
+    """Train a diffusion policy on collected demonstrations, on one thread."""
+    from move.study.profiles import load_profile
+
+    chosen = load_profile(profile)
+    _refuse_other_content(out)
+    from move.learn import dataset
+    from move.learn import train as training
+    from move.learn.settings import Training
+    from move.validation import build
+
+    demonstrations, attributes = dataset.load(data, clip_actions)
+    observation = "rgb" if demonstrations.has_images else "keypoints"
+    recipe = chosen.recipe(observation, demonstrations.timesteps).model_dump()
+    if gradient_steps is not None:
+        recipe |= {"gradient_steps": gradient_steps,
+                   "warmup_steps": max(0, min(recipe["warmup_steps"], gradient_steps // 2))}
+    began = time.process_time()
+    with progress("train") as report:
+        _, trained = training.train(demonstrations, build(Training, **recipe), seed, checkpoint=out, on_step=report,
+                                    task=dataset.task_of(attributes))
+    show({"checkpoint": str(out.absolute()), "gradient_steps": recipe["gradient_steps"], "loss": trained.curve[-1][1],
+          "wall_seconds": trained.seconds, "cpu_seconds_now": time.process_time() - began,
+          "precision": trained.precision, "parameters": trained.parameters}, as_json, "Policy")
+
+
+def _refuse_other_content(folder: Path) -> None:
+    """Refuse a folder for a checkpoint that cannot be written, or holds what is not of one.
+
+    Raises:
+        BadInput: the message names what is there.
+    """
+    refuse_unwritable(folder / "run.json")
+    other = sorted(path.name for path in folder.iterdir()) if folder.is_dir() else []
+    if strange := [name for name in other if not OF_A_CHECKPOINT.fullmatch(name)]:
+        raise BadInput(f"{folder} holds {', '.join(strange[:3])}, not of a checkpoint; allowed is a new or empty "
+                       "folder, or one that `move train` wrote")
+
+
+@app.command(epilog=examples("move evaluate build/policy --task push",
+                             "move evaluate build/policy --starts grid",
+                             "move evaluate --agent expert --episodes 20"))
+def evaluate(
+    checkpoint: Annotated[Optional[Path], typer.Argument(help="folder that `move train` wrote")] = None,
+    agent: Annotated[Literal["policy", Control], typer.Option(help="who acts")] = "policy",
+    task: Task = "pick-place",
+    starts: Annotated[Literal["random", "moving", "grid"], typer.Option(help="where its episodes begin")] = "random",
+    episodes: Annotated[Optional[int], typer.Option(help="how many, unless starts are a grid (100)")] = None,
+    factors: Annotated[Optional[Factors], typer.Option(help="what is random, unless starts are a grid (all)")] = None,
+    lerobot: Annotated[Optional[Path], typer.Option(help="instead: a policy that lerobot-train wrote")] = None,
+    lerobot_python: Annotated[Optional[Path], typer.Option(
+        help="a Python that has LeRobot (default: under build/)")] = None,
+    seed: Seed = 0,
+    as_json: Json = False,
+) -> None:
+    """Evaluate a policy, or a control, on the fixed configurations of a task."""
+    if lerobot is not None and (checkpoint is not None or agent != "policy"):
+        raise BadInput(f"lerobot: {lerobot} given beside another agent; allowed is one of them")
+    if agent == "policy" and checkpoint is None and lerobot is None:
+        raise BadInput("checkpoint: none given; a policy needs the folder that `move train` wrote")
+    if agent != "policy" and checkpoint is not None:
+        raise BadInput(f"checkpoint: {str(checkpoint)!r} given with --agent {agent}, which needs none")
+    given = {name: value for name, value in (("episodes", episodes), ("factors", factors)) if value is not None}
+    if starts == "grid" and given:
+        raise BadInput(f"{', '.join(given)}: given with starts 'grid', which fixes them; allowed with random or moving")
+    import numpy as np
+
+    from move.intervals import wilson_interval
+    from move.learn import agents
+    from move.learn import evaluate as evaluating
+    from move.learn.checkpoint import load_policy
+    from move.machine import one_thread
+    from move.sim.observe import KEYPOINTS
+    from move.sim.tasks import get_task
+    from move.validation import build
+
+    one_thread()
+    plan = build(evaluating.Evaluation, starts=starts, **given)
+    with ExitStack() as stack:
+        who: agents.Agent
+        seen, name = KEYPOINTS, "lerobot" if lerobot else agent
+        if lerobot is not None:
+            from move.study.lerobot_policy import PYTHON, LeRobotAgent
+
+            served = stack.enter_context(LeRobotAgent(lerobot, lerobot_python or PYTHON, seed))
+            who, seen = served, served.observation
+        elif checkpoint is not None:
+            policy = load_policy(checkpoint, task=task)
+            who, seen = agents.PolicyAgent(policy, seed), policy.observation
+        else:
+            who = agents.CONTROLS[agent](seed)
+        report = stack.enter_context(progress("evaluate"))
+        rows = evaluating.evaluate(who, get_task(task), plan, seen, report)
+    rate = float(np.mean([row["success"] for row in rows]))
+    low, high = wilson_interval(rate, len(rows))
+    content = {"agent": name, "task": task, "episodes": len(rows), "success_rate": rate, "low": low,
+               "high": high, "mean_steps": float(np.mean([row["steps"] for row in rows]))}
+    show(content | ({"rows": rows} if as_json else {}), as_json, "Evaluation (95 % Wilson interval)")

@@ -1,0 +1,191 @@
+"""The study: run, plan, verify, figure, doctor."""
+
+from __future__ import annotations
+
+import re
+import sys
+import time
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Optional
+
+import typer
+
+from move import choices, paths
+from move.cli.options import LARGEST_SEED, Figures, Json, Parameters, ProfileName, app, examples
+from move.cli.output import Report, progress, show, show_paths
+from move.cli.parameters import parameters
+from move.errors import BadInput
+from move.files import refuse_unwritable
+
+if TYPE_CHECKING:
+    from move.study.profiles import Profile
+    from move.study.spec import RunSpec
+
+SCHEDULER = re.compile(r"(tcp|tls|ucx|wss?)://[^/\s:]+:\d+")
+
+
+def chosen_specs(
+    profile: Profile, figures: list[str] | None, changes: dict[str, Any] | None = None
+) -> dict[str, list[RunSpec]]:
+    """The specs of the figures asked for, or of all, by figure, with `changes` of their parameters.
+
+    Raises:
+        BadInput: a figure that needs no runs, or a parameter that it does not have.
+    """
+    from move.study import experiments
+
+    if changes and not figures:
+        raise BadInput(f"-p {next(iter(changes))}: given for all figures; allowed with the figures that it is for")
+    if without := [name for name in figures or [] if name not in experiments.EXPERIMENTS]:
+        raise BadInput(f"figure: {without[0]!r} given, which needs no runs; allowed are "
+                       f"{', '.join(experiments.EXPERIMENTS)}")
+    return {figure: experiments.specs(figure, profile, changes) for figure in figures or experiments.EXPERIMENTS}
+
+
+def _asked(profile: str, figures: list[str] | None) -> tuple[Profile, list[str]]:
+    """The profile and the whole names of the figures; quick, so that a bad name is refused at once."""
+    from move.study.profiles import load_profile
+
+    return load_profile(profile), list(dict.fromkeys(choices.notebook(name) for name in figures or []))
+
+
+@app.command(epilog=examples("move run fig1", "move run --profile smoke --workers 2",
+                             "move run --cluster tcp://host:8786"))
+def run(
+    figures: Figures = None,
+    profile: ProfileName = "laptop",
+    workers: Annotated[Optional[int], typer.Option(
+        min=1, max=1024, help="processes (default: one a core, or one a GPU)")] = None,
+    cluster: Annotated[Optional[str], typer.Option(help="address of a Dask scheduler, tcp://host:8786")] = None,
+    results: Annotated[Optional[Path], typer.Option(help="results folder (default: the profile's)")] = None,
+    as_json: Json = False,
+) -> None:
+    """Compute the runs that are missing; what exists is reused, what was interrupted goes on."""
+    chosen, names = _asked(profile, figures)
+    folder = results or paths.results(chosen)
+    refuse_unwritable(folder / "result.json")
+    if cluster is not None and not SCHEDULER.fullmatch(cluster):
+        raise BadInput(f"cluster: {cluster[:60]!r} given; allowed is an address such as tcp://host:8786")
+    from move.study.execute import execute
+
+    specs = [spec for listed in chosen_specs(chosen, names).values() for spec in listed]
+    there, missing = execute(specs, folder, cluster, workers, quiet=not sys.stderr.isatty())
+    problems = [{"hash": spec.hash, "run": spec.label, "why": why} for spec, why in missing]
+    content = {"profile": profile, "stored": len(there), "folder": str(folder.absolute())}
+    if as_json:
+        show(content | {"missing": problems}, True, "")
+    else:
+        show(content | {"missing": len(problems)}, False, "Runs")
+        if problems:
+            show(problems, False, "Missing")
+    if problems:
+        raise typer.Exit(1)
+
+
+@app.command(epilog=examples("move plan", "move plan fig1 -p timesteps=3500", "move plan --profile paper"))
+def plan(figures: Figures = None, profile: ProfileName = "laptop", parameter: Parameters = None,
+         as_json: Json = False) -> None:
+    """Show what would run, how long it would take and why, without running anything."""
+    chosen, names = _asked(profile, figures)
+    changes = parameters(parameter)
+    for name in names:
+        choices.refuse_unknown_parameters(name, changes)
+    from move.study.plan import plan_rows, plan_title
+
+    rows = plan_rows(chosen, chosen_specs(chosen, names, changes))
+    show(rows, as_json, plan_title(chosen))
+
+
+@app.command(epilog=examples("move verify fig1 --sample 1", "move verify --seed 7", "move verify --all"))
+def verify(
+    figures: Figures = None,
+    profile: ProfileName = "laptop",
+    sample: Annotated[int, typer.Option(min=1, max=10**4, help="how many results to recompute")] = 2,
+    seed: Annotated[Optional[int], typer.Option(
+        min=0, max=LARGEST_SEED, help="draws the sample; fresh each time if left out")] = None,
+    every: Annotated[bool, typer.Option("--all", help="check every stored file, recompute nothing")] = False,
+    as_json: Json = False,
+) -> None:
+    """Recompute a drawn sample of the stored results and compare; any difference ends with exit code 1."""
+    chosen, names = _asked(profile, figures)
+    if every and names:
+        raise BadInput(f"figure: {names[0]!r} given with --all, which checks every file; allowed is one of the two")
+    import numpy as np
+
+    from move.study import verify as verifying
+
+    if every:
+        rows = verifying.check_files(paths.results(chosen))
+        shown = [row for row in rows if not row["same"]] or [{"files": len(rows), "same": "all"}]
+        show(rows if as_json else shown, as_json, "Checked")
+    else:
+        seed = int(np.random.SeedSequence().generate_state(1)[0]) if seed is None else seed
+        specs = [spec for listed in chosen_specs(chosen, names).values() for spec in listed]
+        with progress(f"verify --seed {seed}") as report:
+            rows = verifying.verify(specs, paths.results(chosen), sample, np.random.default_rng(seed), report)
+        typer.echo(f"verify: --seed {seed} draws this sample again", err=True)
+        show(rows, as_json, "Recomputed")
+    if not all(row["same"] for row in rows):
+        raise typer.Exit(1)
+
+
+@app.command(epilog=examples("move figure fig1", "move figure fig1 -p timesteps=3500 -p seeds=1",
+                             "move figure table3 -p sheet=/path/to/sheet.csv", "move figure --stored-only"))
+def figure(
+    figures: Figures = None,
+    profile: ProfileName = "laptop",
+    parameter: Parameters = None,
+    stored_only: Annotated[bool, typer.Option("--stored-only", help="run nothing; show what is missing")] = False,
+    as_json: Json = False,
+) -> None:
+    """Execute notebooks, which run what is missing and write their figures and tables."""
+    chosen, names = _asked(profile, figures)
+    changes = parameters(parameter)
+    for name in names:
+        choices.refuse_unknown_parameters(name, changes)
+    for place in (paths.figures(chosen), paths.BUILD / "notebooks" / profile):
+        refuse_unwritable(place / "figure.png")
+    from move.report import notebooks
+    from move.report.changes import change
+
+    names = names or notebooks.of_profile(chosen)
+    for name in names:  # all of them are checked before the first one runs
+        notebooks.notebook_parameters(name, chosen, changes)
+    rows: list[dict[str, Any]] = []
+    with progress("figures") as report:
+        for number, name in enumerate(names):
+            text = f"{name} ({number + 1} of {len(names)})"
+            if not sys.stderr.isatty():
+                typer.echo(f"notebook {text} ({profile}) ...", err=True)
+            report(number, len(names), text=text)
+            began = time.time()
+            try:
+                executed = notebooks.run_notebook(name, chosen, changes, stored_only,
+                                                  partial(_report_runs, report, text, number, len(names)))
+            except notebooks.NotebookFailed as failure:
+                typer.echo(f"move: {failure}", err=True)
+                raise typer.Exit(1) from failure
+            folder = change(name, chosen, changes).folder
+            written = sorted(path for path in folder.glob("*") if path.stat().st_mtime >= began)
+            rows.append({"notebook": name, "executed": executed, "written": written})
+    if as_json:
+        show(rows, True, "")
+    else:
+        show_paths([path for row in rows for path in (row["executed"], *row["written"])])
+
+
+def _report_runs(report: Report, text: str, before: int, figures: int, done: float, runs: int) -> None:
+    """A figure counts as done as far as its missing runs are."""
+    report(before + done / runs, figures, text=f"{text}: {done:.1f} of {runs} runs")
+
+
+@app.command(epilog=examples("move doctor"))
+def doctor(as_json: Json = False) -> None:
+    """Say what is missing on this machine, and the one line that mends it."""
+    from move.study.doctor import examine
+
+    checks = examine()
+    show(checks, as_json, "This machine")
+    if any(check["outcome"] == "broken" for check in checks):
+        raise typer.Exit(1)

@@ -1,0 +1,127 @@
+"""Places to write to: refused before the work where nothing can be written, filled aside, then renamed into place.
+
+What is written aside lies beside its place as .NAME.HOST.PROCESS.part, and what it replaces as .NAME.HOST.PROCESS.old
+until the new one stands. A process that is killed leaves them there; the next one that writes to the same place puts
+them away: an old one goes back where the new one never came, everything else is removed.
+"""
+
+from __future__ import annotations
+
+import os
+import platform
+import re
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from move.errors import BadInput
+
+HOST = re.sub(r"\W", "-", platform.node())[:32]
+
+
+def refuse_unwritable(path: Path) -> None:
+    """Refuse a place where nothing can be written, before any work is done; nothing is left there.
+
+    Folders that are missing above it will be made, so the first one that exists is tried.
+
+    Raises:
+        BadInput: no name, a name or a folder that the file system refuses, or no room for another file.
+    """
+    if path.name in ("", ".."):
+        raise BadInput(f"{str(path)!r} given as a place to write; allowed is the path of a new file or folder")
+    try:
+        above = next(folder for folder in path.absolute().parents if folder.exists())
+        probe = above / _aside(path, "part").name
+        probe.mkdir()
+        probe.rmdir()
+    except (OSError, ValueError) as error:
+        raise _cannot_write(path, error) from error
+
+
+def refuse_existing(path: Path) -> None:
+    """`refuse_unwritable`, and refuse a place where anything is.
+
+    Raises:
+        BadInput: it is taken, or nothing can be written there.
+    """
+    refuse_unwritable(path)
+    put_away_remains(path)
+    if os.path.lexists(path):
+        raise BadInput(f"{path} exists; allowed is a new folder")
+
+
+@contextmanager
+def written_aside(path: Path) -> Iterator[Path]:
+    """A place beside `path`, renamed to `path` once all is written there; of what fails nothing stays.
+
+    A file at `path` is replaced in one step. A folder there goes once the new one stands in its place: the caller has
+    made sure that it may.
+
+    Raises:
+        BadInput: it cannot be written, as on a full disk.
+    """
+    beside = _aside(path, "part")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        put_away_remains(path)
+        yield beside
+        _put(beside, path)
+    except OSError as error:
+        raise _cannot_write(path, error) from error
+    finally:
+        _remove(beside)
+
+
+def put_away_remains(path: Path) -> None:
+    """Put away what a killed process of this machine left beside `path`."""
+    name = re.compile(rf"\.{re.escape(path.name)}\.{re.escape(HOST)}\.(\d+)\.(part|old)")
+    for found in list(path.parent.iterdir()) if path.parent.is_dir() else []:
+        match = name.fullmatch(found.name)
+        if match is None or _is_alive(int(match[1])):
+            continue
+        if match[2] == "old" and not os.path.lexists(path):
+            os.replace(found, path)
+        else:
+            _remove(found)
+
+
+def _aside(path: Path, ending: str) -> Path:
+    return path.with_name(f".{path.name}.{HOST}.{os.getpid()}.{ending}")
+
+
+def _put(beside: Path, path: Path) -> None:
+    if not path.is_dir():
+        os.replace(beside, path)
+        return
+    old = _aside(path, "old")
+    os.replace(path, old)
+    try:
+        os.replace(beside, path)
+    except OSError:
+        os.replace(old, path)
+        raise
+    _remove(old)
+
+
+def _remove(path: Path) -> None:
+    if path.is_dir() and not path.is_symlink():
+        shutil.rmtree(path, ignore_errors=True)
+    else:
+        path.unlink(missing_ok=True)
+
+
+def _is_alive(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except (ProcessLookupError, OverflowError):
+        return False
+    except PermissionError:
+        return True
+    return True
+
+
+def _cannot_write(path: Path, error: OSError | ValueError) -> BadInput:
+    shown = str(path) if len(str(path)) <= 200 else f"{str(path)[:60]}..."
+    reason = getattr(error, "strerror", None) or error
+    return BadInput(f"cannot write {shown}: {reason}; allowed is a writable place with room")

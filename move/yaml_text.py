@@ -1,0 +1,89 @@
+"""YAML from somebody's hands: what JSON could hold as well, and nothing that is other than it looks.
+
+Aliases are refused, for a few of them stand for gigabytes; so are tags, keys that stand twice, nesting deeper than
+anybody writes, and texts that were meant as numbers.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import yaml
+
+from move.errors import BadInput
+
+DEEPEST = 20  # levels of lists and mappings
+LONGEST = 1_000_000  # characters
+TAGS = tuple(f"tag:yaml.org,2002:{kind}" for kind in ("null", "bool", "int", "float", "str", "seq", "map"))
+
+
+class _Loader(yaml.SafeLoader):
+    """Reads the kinds of JSON alone."""
+
+    yaml_constructors = {tag: yaml.SafeLoader.yaml_constructors[tag] for tag in (None, *TAGS)}
+    depth = 0
+
+    def compose_node(self, parent: Any, index: Any) -> Any:
+        if self.check_event(yaml.events.AliasEvent):
+            raise yaml.composer.ComposerError(problem="an alias; allowed is to write it out", problem_mark=self._mark())
+        self.depth += 1
+        if self.depth > DEEPEST:
+            raise yaml.composer.ComposerError(problem=f"deeper than {DEEPEST} levels", problem_mark=self._mark())
+        node = super().compose_node(parent, index)
+        self.depth -= 1
+        return node
+
+    def _mark(self) -> Any:
+        return self.peek_event().start_mark
+
+    def construct_mapping(self, node: Any, deep: bool = False) -> dict[Any, Any]:
+        keys = [key.value for key, _ in node.value if isinstance(key, yaml.ScalarNode)]
+        twice = next((key for key in keys if keys.count(key) > 1), None)
+        if twice is not None:
+            raise yaml.constructor.ConstructorError(problem=f"{twice!r} stands twice", problem_mark=node.start_mark)
+        return super().construct_mapping(node, deep)
+
+
+def read(text: str, where: str) -> Any:
+    """The content of YAML `text`; `where` it stands begins every complaint.
+
+    Raises:
+        BadInput: not YAML, or something refused; one line.
+    """
+    if len(text) > LONGEST:
+        raise BadInput(f"{where}: {len(text):,} characters of YAML; allowed are {LONGEST:,}")
+    try:
+        content = yaml.load(text, _Loader)  # noqa: S506, a SafeLoader that knows less
+    except (yaml.YAMLError, ValueError, RecursionError) as error:
+        raise BadInput(f"{where}: not readable as YAML: {' '.join(str(error).split())[:300]}") from error
+    refuse_text_numbers(content, where)
+    return content
+
+
+def refuse_text_numbers(content: Any, where: str) -> None:
+    """Refuse texts that were meant as numbers, such as 1e-4.
+
+    Raises:
+        BadInput: such a text; the message says how to write it.
+    """
+    if isinstance(content, dict):
+        for key, value in content.items():
+            refuse_text_numbers(value, f"{where}: {key}")
+    elif isinstance(content, list):
+        for value in content:
+            refuse_text_numbers(value, where)
+    elif isinstance(content, str):
+        try:
+            number = float(content)
+        except ValueError:
+            return
+        raise BadInput(f"{where}: {content[:60]!r} is text to YAML; write the number as {as_yaml(number)}")
+
+
+def as_yaml(number: float) -> str:
+    """How to write a number so that YAML reads it as one; a whole one as an integer.
+
+    >>> as_yaml(1e3), as_yaml(1e-5), as_yaml(1e300)
+    ('1000', '1.0e-05', '1.0e+300')
+    """
+    return str(int(number)) if number.is_integer() and abs(number) < 1e15 else yaml.safe_dump(number).split()[0]

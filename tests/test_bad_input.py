@@ -1,0 +1,372 @@
+"""Every kind of bad input, over all commands: one line on standard error, exit code 2, nothing written."""
+
+import json
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from test_cli import move
+
+from move import choices, paths, yaml_text
+from move.errors import BadInput
+from move.report import parameters
+from move.study import experiments, profiles
+from move.study.profiles import load_profile
+
+LONG = "n" * 300
+PLACES = ["", ".", "/", "..", "file", "file/x.zarr", "/dev/full", "/dev/null/x", "/proc/x.zarr", LONG, f"{LONG}/x"]
+BOMB = "[&a [x, x], &b [*a, *a], &c [*b, *b], &d [*c, *c], *d]"
+YAML = {
+    "alias bomb": (BOMB, "alias"),
+    "recursive alias": ("&a [*a]", "alias"),
+    "recursive mapping": ("&a {b: *a}", "alias"),
+    "deep lists": ("[" * 20_000 + "]" * 20_000, "deeper than 20"),
+    "deep mappings": ("{a: " * 5000 + "}" * 5000, "deeper than 20"),
+    "deep and never closed": ("[" * 20_000, "deeper than 20"),
+    "a python tag": ("!!python/object/apply:os.system [echo]", "python/object"),
+    "a python name": ("!!python/name:os.system", "python/name"),
+    "a set": ("!!set {a, b}", "set"),
+    "binary": ("!!binary aGVsbG8=", "binary"),
+    "a date": ("2024-01-01", "timestamp"),
+    "ordered": ("!!omap [a: 1]", "omap"),
+    "an unknown tag": ("!mine 5", "mine"),
+    "a list that never ends": ("[1, 2", "not readable"),
+    "a mapping that never ends": ("{a", "not readable"),
+    "three colons": ("a: b: c", "not readable"),
+    "a control character": ("\x07", "not readable"),
+    "an escape": ("\x1b[31m", "not readable"),
+    "a tab": ("\t5", "not readable"),
+    "a percent sign": ("%", "not readable"),
+    "an unknown anchor": ("*nowhere", "alias"),
+    "a key twice": ("{a: 1, a: 2}", "'a' stands twice"),
+    "a list as a key": ("{[a]: 1}", "unhashable"),
+    "two documents": ("1\n---\n2", "not readable"),
+    "1e3": ("1e3", "write the number as 1000"),
+    "1e-4 in a list": ("[0.1, 1e-4]", "write the number as 0.0001"),
+    "1e-5 in a mapping": ("{a: {b: 1e-5}}", "a: b: '1e-5' is text to YAML; write the number as 1.0e-05"),
+    "a number of 10,000 digits": ("9" * 10_000, "not readable"),
+    "too long": ("x" * 1_000_001, "allowed are 1,000,000"),
+}
+
+
+def everything(folder: Path) -> list[tuple[str, bytes]]:
+    return sorted((str(path), path.read_bytes() if path.is_file() else b"") for path in folder.rglob("*"))
+
+
+def refused(capsys, folder: Path, message: str, *arguments: str) -> None:
+    """The command is refused in one line that holds `message`, and `folder` stays what it was."""
+    before = everything(folder)
+    code, out, err = move(capsys, *arguments)
+    assert (code, out) == (2, ""), err
+    assert err.count("\n") == 1 and err.startswith("move: ") and "Traceback" not in err
+    assert message in err and len(err) < 1200
+    assert everything(folder) == before
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    """A working folder that holds a file, a thesis, and neither data nor a policy."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "file").write_text("mine")
+    (tmp_path / "thesis").mkdir()
+    (tmp_path / "thesis/chapter1.txt").write_text("mine")
+    (tmp_path / "empty").mkdir()
+    return tmp_path
+
+
+COMMANDS = [
+    (("collect", "--task", "juggling"), "'juggling' is not one of 'pick-place'"),
+    (("collect", "--method", "magic"), "'magic' is not one of 'static', 'adc', 'move', 'mixture'"),
+    (("collect", "--method", ""), "'' is not one of"),
+    (("collect", "--method", "MOVE"), "'MOVE' is not one of"),
+    (("collect", "--timesteps", "-5"), "timesteps: -5 given; input should be greater than 0"),
+    (("collect", "--timesteps", "0"), "greater than 0"),
+    (("collect", "--timesteps", "many"), "valid integer"),
+    (("collect", "--timesteps", "1e3"), "valid integer"),
+    (("collect", "--timesteps", "nan"), "valid integer"),
+    (("collect", "--timesteps", str(10**12)), "less than or equal to 100000000"),
+    (("collect", "--timesteps", "9" * 5000), "--timesteps"),
+    (("collect", "--observation", "smell"), "'smell' is not one of 'keypoints', 'rgb'"),
+    (("collect", "--image-size", "64"), "image_size: 64 given with keypoints"),
+    (("collect", "--observation", "rgb", "--image-size", "-4"), "image_size: -4 given"),
+    (("collect", "--observation", "rgb", "--image-size", "9999"), "less than or equal to 512"),
+    (("collect", "--factors", "moon"), "'moon' is not one of 'object', 'object+target', 'all'"),
+    (("collect", "--protocol", "sparse", "--factors", "all"), "factors: 'all' given with protocol 'sparse'"),
+    (("collect", "--protocol", "everywhere"), "'everywhere' is not one of"),
+    (("collect", "--expert", "me"), "'me' is not one of"),
+    (("collect", "--method", "static", "--object-speed", "0.1"), "object_speed: 0.1 given; nothing moves under"),
+    (("collect", "--object-speed", "0"), "greater than 0"),
+    (("collect", "--object-speed", "1e9"), "less than or equal to 0.3"),
+    (("collect", "--object-speed", "inf"), "object_speed: inf given"),
+    (("collect", "--camera-speed", "nan"), "camera_speed: nan given"),
+    (("collect", "--moving", "moon"), "'moon' given"),
+    (("collect", "--moving", ""), "moving.0: '' given"),
+    (("collect", "--moving", "object,object"), "each once"),
+    (("collect", "--method", "mixture"), "a mixture of nothing"),
+    (("collect", "--method", "mixture", "--shares", "half"), "shares: 'half' given"),
+    (("collect", "--method", "mixture", "--shares", "static=nan,move=0.5"), "shares"),
+    (("collect", "--method", "mixture", "--shares", "static=0.5,move=0.6"), "shares add up to 1.1"),
+    (("collect", "--shares", "static=0.5,move=0.5"), "allowed for 'mixture' only"),
+    (("collect", "--seed", "-1"), "--seed"),
+    (("collect", "--seed", str(10**30)), "--seed"),
+    (("collect", "--tiemsteps", "5"), "No such option: --tiemsteps"),
+    (("collect", "surplus"), "unexpected extra argument"),
+    (("collect", "--out"), "requires an argument"),
+    (("collect", "--out", "thesis", "--timesteps", "50"), "thesis exists and is not"),
+    (("collect", "--out", "thesis", "--overwrite"), "thesis exists and is not"),
+    (("collect", "--out", "empty", "--overwrite"), "empty exists and is not"),
+    (("export", "nowhere.zarr", "out"), "no demonstrations at nowhere.zarr"),
+    (("export", "thesis", "out"), "cannot read demonstrations from thesis"),
+    (("export", "file", "out"), "cannot read demonstrations from file"),
+    (("export", "nowhere.zarr", "thesis"), "thesis exists; allowed is a new folder"),
+    (("export", "nowhere.zarr", "out", "--format", "hdf5"), "'hdf5' is not one of 'lerobot', 'zarr'"),
+    (("export", "nowhere.zarr"), "Missing argument"),
+    (("train", "nowhere.zarr", "out"), "no demonstrations at nowhere.zarr"),
+    (("train", "thesis", "out"), "cannot read demonstrations from thesis"),
+    (("train", "nowhere.zarr", "thesis"), "thesis holds chapter1.txt, not of a checkpoint"),
+    (("train", "nowhere.zarr", "out", "--profile", "moon"), "profile: 'moon' given"),
+    (("train", "nowhere.zarr", "out", "--gradient-steps", "x"), "valid integer"),
+    (("train",), "Missing argument"),
+    (("evaluate", "nowhere"), "no checkpoint in nowhere"),
+    (("evaluate", "thesis"), "no checkpoint in thesis"),
+    (("evaluate", "file"), "no checkpoint in file"),
+    (("evaluate",), "checkpoint: none given"),
+    (("evaluate", "--agent", "dog"), "'dog' is not one of 'policy', 'nothing'"),
+    (("evaluate", "nowhere", "--agent", "nothing"), "checkpoint: 'nowhere' given with --agent nothing"),
+    (("evaluate", "--agent", "nothing", "--episodes", "-1"), "episodes: -1 given"),
+    (("evaluate", "--agent", "nothing", "--episodes", str(10**9)), "less than or equal to 100000"),
+    (("evaluate", "--agent", "nothing", "--factors", "moon"), "'moon' is not one of"),
+    (("evaluate", "--agent", "nothing", "--starts", "own"), "'own' is not one of 'random', 'moving', 'grid'"),
+    (("evaluate", "--agent", "nothing", "--starts", "grid", "--episodes", "5"), "episodes: given with starts 'grid'"),
+    (("evaluate", "--agent", "nothing", "--starts", "grid", "--factors", "all"), "factors: given with starts 'grid'"),
+    (("evaluate", "--agent", "nothing", "--task", "moon"), "'moon' is not one of"),
+    (("evaluate", "--agent", "nothing", "--seed", "x"), "--seed"),
+    (("run", "--profile", "moon"), "profile: 'moon' given; allowed are"),
+    (("run", "--profile", ""), "profile: '' given"),
+    (("run", "--profile", "../profiles/laptop"), "profile: '../profiles/laptop' given"),
+    (("run", "fig99"), "figure: 'fig99' given"),
+    (("run", "table4"), "needs no runs; allowed are fig1_sparse"),
+    (("run", "--workers", "0"), "--workers"),
+    (("run", "--workers", "1000000"), "--workers"),
+    (("run", "--cluster", ""), "cluster: '' given; allowed is an address"),
+    (("run", "--cluster", "nowhere"), "cluster: 'nowhere' given"),
+    (("run", "--results", "file"), "cannot write file/result.json: Not a directory"),
+    (("run", "--results", "/proc/x"), "cannot write"),
+    (("run", "--results", LONG), "File name too long"),
+    (("plan", "--profile", "moon"), "profile: 'moon' given"),
+    (("plan", "fig1", "-p", "budget=5"), "fig1_sparse has no parameter budget"),
+    (("plan", "fig1", "-p", "timesteps=-5"), "timesteps: -5 given"),
+    (("plan", "fig1", "-p", "seeds=100000000"), "less than or equal to 1000"),
+    (("plan", "-p", "timesteps=5"), "allowed with the figures that it is for"),
+    (("plan", "claims"), "needs no runs"),
+    (("verify", "--sample", "0"), "--sample"),
+    (("verify", "--seed", "-1"), "--seed"),
+    (("verify", "fig99"), "figure: 'fig99' given"),
+    (("verify", "fig1", "--all"), "given with --all"),
+    (("verify", "--profile", "paper"), "no stored result"),
+    (("figure", "fig99"), "figure: 'fig99' given"),
+    (("figure", "fig11"), "figure: 'fig11' given (fig1?)"),
+    (("figure", "../notebooks/fig1_sparse"), "figure: '../notebooks/fig1_sparse' given"),
+    (("figure", LONG), "figure: 'nnn"),
+    (("figure", "fig1", "-p", "timesteps"), "allowed is name=value"),
+    (("figure", "fig1", "-p", "=5"), "allowed is name=value"),
+    (("figure", "fig1", "-p", "a b=5"), "allowed is name=value"),
+    (("figure", "fig1", "-p", "profile=smoke"), "-p profile: allowed is --profile smoke"),
+    (("figure", "fig1", "-p", "seeds=1", "-p", "seeds=2"), "-p seeds: given twice"),
+    (("doctor", "surplus"), "unexpected extra argument"),
+    (("dance",), "No such command 'dance'"),
+    (("--dance",), "No such option: --dance"),
+]
+
+
+@pytest.mark.parametrize(("arguments", "message"), COMMANDS, ids=[" ".join(command)[:60] for command, _ in COMMANDS])
+def test_a_bad_command_is_one_line(capsys, here, arguments, message):
+    refused(capsys, here, message, *arguments)
+
+
+@pytest.mark.parametrize("place", PLACES, ids=lambda place: place[:20] or "empty")
+@pytest.mark.parametrize("command", ["collect", "export", "train"])
+def test_a_place_that_cannot_be_written_is_refused_before_the_work(capsys, here, monkeypatch, command, place):
+    for slow in ("move.sim.collect.collect", "move.learn.dataset.load", "move.learn.train.train"):
+        monkeypatch.setattr(slow, lambda *a, **k: pytest.fail("the work began"))
+    arguments = {"collect": ("collect", "--out", place, "--overwrite"), "export": ("export", "data", place),
+                 "train": ("train", "data", place)}
+    refused(capsys, here, "", *arguments[command])
+
+
+@pytest.mark.parametrize("name", YAML)
+def test_bad_yaml_in_a_parameter(capsys, here, name):
+    text, message = YAML[name]
+    refused(capsys, here, message, "figure", "fig1", "-p", f"timesteps={text}")
+
+
+@pytest.fixture(scope="module")
+def smoke_text():
+    return (paths.PROFILES / "smoke.yaml").read_bytes()
+
+
+@pytest.fixture
+def profile_file(here, monkeypatch, smoke_text):
+    """The smoke profile as the only one, to be damaged."""
+    folder = here / "profiles"
+    folder.mkdir()
+    monkeypatch.setattr(profiles, "PROFILES", folder)
+    (folder / "smoke.yaml").write_bytes(smoke_text)
+    return folder / "smoke.yaml"
+
+
+@pytest.mark.parametrize("name", YAML)
+def test_bad_yaml_in_a_profile(capsys, here, profile_file, name):
+    text, message = YAML[name]
+    profile_file.write_text(f"purpose: {text}\n" if "\n" not in text else text)
+    refused(capsys, here, message, "run", "--profile", "smoke")
+
+
+@pytest.mark.parametrize(("old", "new", "message"), [
+    (b"purpose:", b"purpose: \xff\xfe", "not readable as YAML"),
+    (b"stamp: SMOKE", b"stamp: SMOKE\nstamp: SMOKE", "'stamp' stands twice"),
+    (b"stamp: SMOKE", b"stamp: 5", "stamp: 5 given"),
+    (b"image_size: 48", b"image_sizes: 48", "image_sizes"),
+    (b"image_size: 48", b"image_size: 1000000", "less than or equal to 512"),
+    (b"keypoints: 0.1", b"keypoints: -5", "minutes.keypoints: -5"),
+    (b"keypoints: 0.1", b"keypoints: .nan", "minutes.keypoints: nan given"),
+    (b"keypoints: 0.1", b"smell: 0.1", "minutes.smell"),
+    (b"fig1_sparse:", b"fig1_sparks:", "no notebook fig1_sparks"),
+    (b"gradient_steps: 60", b"gradient_steps: 1000000000", "less than or equal to 10000000"),
+    (b"gradient_steps: 60", b"gradient_steps: sixty", "valid integer"),
+    (b"gradient_steps: 60", b"gradient_steps: true", "valid integer"),
+    (b"denoiser: mlp", b"denoiser: mlp\n    mlp_width: 10000000", "less than or equal to 16384"),
+    (b"denoiser: mlp", b"denoiser: mlp\n    mlp_depth: 200000", "less than or equal to 200"),
+    (b"batch_size: 64", b"batch_size: 1000000000", "less than or equal to 100000"),
+    (b"learning_rate: 1.0e-3", b"learning_rate: .inf", "learning_rate"),
+    (b"learning_rate: 1.0e-3", b"learning_rate: 1e-3", "write the number as 0.001"),
+    (b"seeds: 1,", b"seeds: 100000000,", "less than or equal to 1000"),
+    (b"timesteps: 300", b"budget: 300", "no parameter budget"),
+    (b"observation: rgb", b"observation: smell", "observation: 'smell' given"),
+    (b"grid_side: 3", b"grid_side: 3000", "less than or equal to 300"),
+])
+def test_a_bad_profile_is_one_line(capsys, here, profile_file, smoke_text, old, new, message):
+    assert old in smoke_text
+    profile_file.write_bytes(smoke_text.replace(old, new, 1))
+    refused(capsys, here, message, "run", "--profile", "smoke")
+
+
+@pytest.mark.parametrize("content", [b"", b"5", b"null", b"[]", b"{}", b"a: b"])
+def test_a_profile_that_is_none_is_one_line(capsys, here, profile_file, content):
+    profile_file.write_bytes(content)
+    refused(capsys, here, "smoke.yaml: ", "run", "--profile", "smoke")
+
+
+VALUES = [
+    ("fig1", "timesteps=abc", "timesteps: 'abc' given; input should be a valid integer"),
+    ("fig1", "timesteps=1000.5", "timesteps: 1000.5 given"),
+    ("fig1", "timesteps=true", "timesteps: True given"),
+    ("fig1", "timesteps=null", "timesteps: None given"),
+    ("fig1", "timesteps=[1]", "timesteps"),
+    ("fig1", "timesteps=.nan", "timesteps: nan given"),
+    ("fig1", "timesteps=1000000000000", "less than or equal to 100000000"),
+    ("fig1", "timesteps=1e3", "write the number as 1000"),
+    ("fig1", "observation=smell", "observation: 'smell' given"),
+    ("fig1", "seeds=0", "greater than 0"),
+    ("fig1", "grid_side=100000", "less than or equal to 300"),
+    ("fig3", "timesteps=[]", "timesteps"),
+    ("fig7", "speeds=[9]", "less than or equal to 0.3"),
+    ("fig_mixture", "shares=[1.5]", "less than or equal to 1"),
+    ("table2", "episodes=1000000000", "less than or equal to 100000"),
+    ("table6", "attempts=-1", "attempts: -1 given"),
+    ("rollouts", "task=nope", "task: 'nope' given"),
+    ("rollouts", "frames=0", "frames: 0 given"),
+    ("rollouts", "image_size=9999", "image_size: 9999 given"),
+    ("rollouts", "seed=-1", "seed: -1 given"),
+    ("demonstrations", "tasks=[nope]", "'nope' given"),
+    ("demonstrations", "tasks=pick-place", "tasks: 'pick-place' given"),
+    ("demonstrations", "image_size=-4", "image_size: -4 given"),
+    ("demonstrations", "shown=nope", "shown: 'nope' given"),
+    ("fig2", "image_size=9999", "image_size: 9999 given"),
+    ("fig2", "frames=0", "frames: 0 given"),
+    ("fig2", "rotating_task=5", "rotating_task: 5 given"),
+    ("fig2", "timesteps=-1", "timesteps: -1 given"),
+    ("table3", "data=5", "data: 5 given"),
+    ("table3", "sheet=5", "sheet: 5 given"),
+    ("table3", "revision=main", "revision: 'main' given"),
+    ("table3", "size_cap_gb=-1", "size_cap_gb: -1 given"),
+    ("table3", "episodes=0", "episodes: 0 given"),
+    ("table4", "compared=[moon]", "profile: 'moon' given"),
+    ("statistics", "draws=0", "draws: 0 given"),
+    ("statistics", "rate=1.5", "rate: 1.5 given"),
+    ("statistics", "seeds=[]", "seeds"),
+    ("statistics", "deviations=[.nan]", "nan given"),
+]
+
+
+@pytest.mark.parametrize(("name", "assignment", "message"), VALUES, ids=lambda value: value[:30])
+def test_a_bad_value_is_refused_before_a_kernel_starts(capsys, here, monkeypatch, name, assignment, message):
+    monkeypatch.setattr("papermill.execute_notebook", lambda *a, **k: pytest.fail("a kernel was started"))
+    refused(capsys, here, message, "figure", name, "-p", assignment)
+
+
+def test_what_the_hints_say_is_accepted():
+    profile = load_profile("smoke")
+    for text in ("1e3", "2E2", "1e-4", "1e-7", "'5'", "1e300", "-1e4"):
+        with pytest.raises(BadInput, match="write the number as ") as caught:
+            yaml_text.read(text, "here")
+        hint = str(caught.value).split("write the number as ")[1]
+        assert yaml_text.read(hint, "here") == float(text.strip("'"))
+    assert isinstance(yaml_text.read("1000", "here"), int)
+    assert parameters.check("fig1_sparse", profile, {"timesteps": yaml_text.read("1000", "here")})["timesteps"] == 1000
+
+
+def test_every_parameter_of_every_notebook_is_checked():
+    for name in choices.notebooks():
+        own = experiments.defaults(name) if name in experiments.EXPERIMENTS else {}
+        unchecked = set(choices.parameters(name)) - {"profile"} - set(own) - set(parameters.ALLOWED)
+        assert not unchecked, (name, unchecked)
+
+
+@pytest.mark.parametrize("profile", ["laptop", "smoke"])
+def test_what_the_profiles_themselves_choose_is_allowed(profile):
+    chosen = load_profile(profile)
+    for name in choices.notebooks():
+        assert parameters.check(name, chosen, {})["profile"] == profile
+
+
+VALUE = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=8)
+    | st.sampled_from(["rgb", "pick-place", 1, 0.5, -1, 10**20]),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=5), inner, max_size=3), max_leaves=6)
+
+
+@settings(max_examples=300, deadline=None)
+@given(text=st.text(max_size=60) | st.text("[]{}&*!:,-'\"\n a1|>#%@`?", max_size=40) | VALUE.map(json.dumps))
+def test_any_text_is_read_as_plain_values_or_refused_in_one_line(text):
+    try:
+        content = yaml_text.read(text, "here")
+    except BadInput as problem:
+        assert "\n" not in str(problem)
+    else:
+        json.dumps(content)
+
+
+@settings(max_examples=100, deadline=None)
+@given(name=st.sampled_from(["fig1_sparse", "fig3_dense", "rollouts", "fig2_overview", "table3_real_robot"]),
+       number=st.integers(0, 20), value=VALUE)
+def test_any_value_of_a_parameter_is_taken_or_refused_in_one_line(name, number, value):
+    names = choices.parameters(name)
+    try:
+        parameters.check(name, load_profile("smoke"), {names[number % len(names)]: value})
+    except BadInput as problem:
+        assert "\n" not in str(problem)
+
+
+@settings(max_examples=100, deadline=None)
+@given(changed=st.dictionaries(st.sampled_from(sorted(profiles.Profile.model_fields)), VALUE, max_size=4))
+def test_any_content_of_a_profile_is_taken_or_refused(changed, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("profiles")
+    (folder / "any.yaml").write_text(json.dumps({"purpose": "test", "training": {}, "notebooks": {}} | changed))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(profiles, "PROFILES", folder)
+        try:
+            load_profile("any")
+        except BadInput as problem:
+            assert "\n" not in str(problem)
