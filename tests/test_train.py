@@ -259,7 +259,7 @@ def flip_a_bit(folder):
     path.write_bytes(content)
 
 
-NAN = {"averaged/action_limits.scale": torch.full((3,), torch.nan)}
+NAN = {"averaged/action_normalizer.scale": torch.full((3,), torch.nan)}
 
 
 @pytest.mark.parametrize(("damage", "reason"), [
