@@ -125,9 +125,9 @@ def gaps(table: pd.DataFrame, by: str, labels: list[str], ax: Axes, means: pd.Da
         ax.axhline(table[by].nunique() - 0.5, color="#BBBBBB", lw=0.8)
         table = pd.concat([table, means.drop(columns="items").assign(**{by: names})], ignore_index=True)
         labels = [*labels, *dict.fromkeys(names)]
-    values, others = list(table[by].unique()), list(table.than.unique())
+    values, others = list(table[by].unique()), list(table.baseline.unique())
     for place, other in enumerate(others):
-        rows = table[table.than == other]
+        rows = table[table.baseline == other]
         places = np.array([values.index(value) for value in rows[by]]) + (place - (len(others) - 1) / 2) * 0.4
         colour, marker = DIFFERENCES[other]
         ax.errorbar(rows.gap, places, xerr=[rows.gap - rows.low, rows.high - rows.gap], fmt=marker, ms=3.5, lw=1,

@@ -50,9 +50,9 @@ def with_paper(table: pd.DataFrame, experiment: str, on: list[str], metric: str 
     """`table` with the paper's value beside each row, NaN where the paper gives none.
 
     Args:
-        on: the columns of `table` that tell rows apart in the paper: its task, method or than; one column of another
-            name holds the paper's condition.
-        metric: as in `move.paper.PAPER`, or "gap" for MOVE's success minus that of the method in column `than`.
+        on: the columns of `table` that tell rows apart in the paper: its task, method or baseline; one column of
+            another name holds the paper's condition.
+        metric: as in `move.paper.PAPER`, or "gap" for MOVE's success minus that of the method in column `baseline`.
         column: the name of the new column.
         where: what else the paper's rows must be, such as condition="simulation".
 
@@ -269,12 +269,12 @@ def data_sizes(costs: pd.DataFrame) -> pd.DataFrame:
         for method in PAPER_METHODS})
 
 
-def kept_shares(rng: np.random.Generator, configurations: int = 1000) -> pd.DataFrame:
+def acceptance_rates(rng: np.random.Generator, configurations: int = 1000) -> pd.DataFrame:
     """For each task the share of random configurations that its reach and clearance filter keeps.
 
     The same filter serves static starts, ADC's jumps, MOVE's motions and evaluation.
     """
-    return pd.DataFrame([{"task": name, "kept_share": acceptance_rate(TASKS[name], rng, configurations)}
+    return pd.DataFrame([{"task": name, "acceptance_rate": acceptance_rate(TASKS[name], rng, configurations)}
                          for name in PAPER_TASKS])
 
 

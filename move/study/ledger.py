@@ -66,7 +66,7 @@ def _(evidence: Evidence) -> list[Item]:
 def _task_gaps(evidence: Evidence, other: dict, experiment: str = "table2_main", **both) -> list[Item]:
     name = other["method"]
     printed = paper.published("table2_main", "gap")
-    printed = printed[printed.than == name].set_index("task").value
+    printed = printed[printed.baseline == name].set_index("task").value
     return [evidence.gap(f"{TASKS[task].title}", experiment, {"task": task, **MOVE, **both},
                          {"task": task, **other, **both}, printed[task]) for task in PAPER_TASKS]
 
