@@ -22,7 +22,7 @@ from move.realworld import tracking, workspace  # noqa: E402
 from move.realworld.trials import real_table  # noqa: E402
 from move.report import captions, figures, real_figures, style, tables  # noqa: E402
 from move.sim.tasks import get_task  # noqa: E402
-from move.study.claims import VERDICTS  # noqa: E402
+from move.study.claims.rule import VERDICTS  # noqa: E402
 
 RNG = np.random.default_rng(0)
 

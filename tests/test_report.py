@@ -17,10 +17,11 @@ from move.report import captions, differences, maps, page, plots, printed, style
 from move.sim.collect import Collection  # noqa: E402
 from move.sim.configuration import Disc  # noqa: E402
 from move.sim.tasks import TASKS  # noqa: E402
-from move.study import experiments, results, statistics  # noqa: E402
+from move.study import experiments, results  # noqa: E402
 from move.study.labels import LabelledRun  # noqa: E402
 from move.study.profiles import load_profile  # noqa: E402
 from move.study.spec import CollectionRun, PolicyRun  # noqa: E402
+from move.study.statistics import estimates as statistics  # noqa: E402
 
 
 def episodes(rates: dict[str, float], seeds: int = 3, trials: int = 16) -> pd.DataFrame:

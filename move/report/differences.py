@@ -6,8 +6,8 @@ import numpy as np
 import pandas as pd
 
 from move.report.style import NAMES
-from move.study.cells import successes, training_noise
-from move.study.statistics import (
+from move.study.statistics.cells import successes, training_noise
+from move.study.statistics.estimates import (
     UNKNOWN,
     Estimate,
     TrainingNoise,
@@ -58,8 +58,8 @@ def gap_means(episodes: pd.DataFrame, by: str, others: tuple[str, ...] = ("stati
 def tasks_table(episodes: pd.DataFrame, others: tuple[str, ...] = ("static", "adc")) -> pd.DataFrame:
     """MOVE against each other method with the task as the unit, one row a method: what other tasks might give.
 
-    Columns than, and those of `move.study.statistics.OverTasks`; a method that meets MOVE on fewer than three tasks
-    has no row.
+    Columns baseline, and those of `move.study.statistics.estimates.OverTasks`; a method that meets MOVE on fewer than
+    three tasks has no row.
     """
     rows = []
     for other in others:
