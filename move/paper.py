@@ -105,7 +105,7 @@ TABLE4_HYPERPARAMETERS = {
 def published(experiment: str, metric: str = "success", **where: str) -> pd.DataFrame:
     """The rows of `PAPER` of one experiment and metric, of those with the given values of other columns.
 
-    With metric "gap" the values are MOVE's success minus another method's, which a column `than` names.
+    With metric "gap" the values are MOVE's success minus another method's, which a column `baseline` names.
 
     Raises:
         BadInput: the paper gives no such value.
@@ -113,7 +113,7 @@ def published(experiment: str, metric: str = "success", **where: str) -> pd.Data
     if metric == "gap":
         rates = published(experiment, "success", **where)
         move = rates[rates.method == "move"].drop(columns="method")
-        pairs = rates[rates.method != "move"].rename(columns={"method": "than"}).merge(
+        pairs = rates[rates.method != "move"].rename(columns={"method": "baseline"}).merge(
             move, on=["experiment", "task", "condition", "metric"], suffixes=("_other", ""))
         return pairs.assign(metric="gap", value=pairs.value - pairs.value_other).drop(columns="value_other")
     wanted = {"experiment": experiment, "metric": metric, **where}

@@ -6,8 +6,9 @@ import pandas as pd
 import pytest
 
 from move import paths
-from move.study import ledger
-from move.study.claims import (
+from move.study.claims import ledger
+from move.study.claims.evidence import Evidence
+from move.study.claims.rule import (
     CLAIMS,
     VERDICTS,
     Contradiction,
@@ -17,7 +18,6 @@ from move.study.claims import (
     clear_ones,
     verdict,
 )
-from move.study.evidence import Evidence
 from move.study.experiments import EXPERIMENTS
 from move.study.profiles import load_profile
 
@@ -87,7 +87,7 @@ def test_the_verdict_on_the_main_result_changes_with_the_episodes(more, expected
 
 
 def test_a_claim_without_runs_says_what_it_would_cost(tmp_path, monkeypatch):
-    monkeypatch.setattr("move.study.evidence.results", lambda profile: tmp_path)
+    monkeypatch.setattr("move.study.claims.evidence.results", lambda profile: tmp_path)
     evidence = Evidence(load_profile("laptop"))
     asked = [item for each in CLAIMS.values() if each.figure in EXPERIMENTS for item in each.decided_by(evidence)]
     missing = [item for item in asked if isinstance(item, Missing)]

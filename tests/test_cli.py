@@ -71,7 +71,7 @@ def test_a_full_disk_is_one_line_and_leaves_nothing(capsys, tmp_path, monkeypatc
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(dataset, "_write", full)
-    monkeypatch.setattr("move.study.export.write_lerobot", full)
+    monkeypatch.setattr("move.exchange.export.write_lerobot", full)
     arguments = {"collect": ("--timesteps", "50", "--out", data, "--overwrite"),
                  "export": (data, str(tmp_path / "out"))}
     code, out, err = move(capsys, command, *arguments[command])

@@ -12,9 +12,9 @@ from move.learn.train import train
 from move.machine import gl_problem
 from move.paper import PAPER_TASKS
 from move.report import film
+from move.sim import coverage
 from move.sim.collect import Collection, collect
 from move.sim.tasks import get_task
-from move.study import coverage
 from move.study.spec import PolicyRun
 
 needs_gl = pytest.mark.skipif(gl_problem() is not None, reason="no GL library on this machine")

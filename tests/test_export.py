@@ -8,12 +8,12 @@ import pyarrow.parquet as pq
 import pytest
 
 from move.errors import BadInput
+from move.exchange import export as exporting
+from move.exchange.feature_stats import QUANTILES, feature_stats
 from move.learn import dataset
 from move.realworld import open_dataset
 from move.sim.collect import Collection, collect, record_attributes
 from move.sim.demonstrations import Demonstrations
-from move.study import export as exporting
-from move.study.feature_stats import QUANTILES, feature_stats
 
 ATTRIBUTES = {"collection": {"task": "pick-place", "method": "move"}, "seed": 3}
 ENDS = np.array([7, 12, 20])

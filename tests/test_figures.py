@@ -22,7 +22,7 @@ from move.realworld import tracking, workspace  # noqa: E402
 from move.realworld.trials import real_table  # noqa: E402
 from move.report import captions, figures, real_figures, style, tables  # noqa: E402
 from move.sim.tasks import get_task  # noqa: E402
-from move.study.claims import VERDICTS  # noqa: E402
+from move.study.claims.rule import VERDICTS  # noqa: E402
 
 RNG = np.random.default_rng(0)
 
@@ -51,7 +51,7 @@ def grid() -> pd.DataFrame:
 
 
 def gaps(by: str, values, others=("static", "adc")) -> pd.DataFrame:
-    return pd.DataFrame([{by: value, "than": other, "gap": 0.1, "low": -0.3, "high": 0.4, "paper": 0.2}
+    return pd.DataFrame([{by: value, "baseline": other, "gap": 0.1, "low": -0.3, "high": 0.4, "paper": 0.2}
                          for value in values for other in others])
 
 
@@ -252,7 +252,7 @@ def test_everything_that_a_notebook_writes_has_words():
     for path in paths.NOTEBOOKS.glob("*.ipynb"):
         source = "\n".join(cell.source for cell in nbformat.read(path, 4).cells if cell.cell_type == "code")
         for name, figure, content in re.findall(
-                r'page\.(?:publish|publish_alone|write)\(\s*"(\w+)", (\w+),\s*\{((?:[^{}]|\{[^{}]*\})*)\}', source):
+                r'page\.(?:save_outputs(?:_alone)?|write)\(\s*"(\w+)", (\w+),\s*\{((?:[^{}]|\{[^{}]*\})*)\}', source):
             assert figure == "None" or name in captions.FIGURES, name
             for suffix in re.findall(r'"(\w*)":', content):
                 assert f"{name}_{suffix}".rstrip("_") in captions.TABLES, (name, suffix)

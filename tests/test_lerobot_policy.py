@@ -16,12 +16,12 @@ import pytest
 from test_cli import move
 
 from move.errors import BadInput
+from move.exchange import lerobot_policy, lerobot_server
+from move.exchange.lerobot_policy import LeRobotAgent
+from move.exchange.lerobot_server import read_message, write_message
 from move.learn.evaluate import Evaluation, evaluate
 from move.machine import gl_problem
 from move.sim.tasks import get_task
-from move.study import lerobot_policy, lerobot_server
-from move.study.lerobot_policy import LeRobotAgent
-from move.study.lerobot_server import read_message, write_message
 
 PYTHON, TASK = Path(sys.executable), get_task("pick-place")
 needs_gl = pytest.mark.skipif(gl_problem() is not None, reason="no GL library on this machine")

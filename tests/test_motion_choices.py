@@ -6,8 +6,8 @@ import pytest
 from move.errors import BadInput
 from move.sim.collect import attempts, collect
 from move.sim.collection import Collection
+from move.sim.coverage import configurations
 from move.sim.motion.wrappers import Motions
-from move.study.coverage import configurations
 from move.study.kinds import policy_run
 from move.study.labels import grid
 from move.study.profiles import load_profile

@@ -123,8 +123,8 @@ def test_what_is_missing_says_so():
 
 
 def test_gaps_are_drawn_in_no_methods_colour_and_name_what_they_are():
-    table = pd.DataFrame([{"task": "push", "than": other, "gap": gap, "low": gap - 0.1, "high": gap + 0.1, "paper": 0.4}
-                          for other, gap in (("static", 0.6), ("adc", 0.3))])
+    table = pd.DataFrame([{"task": "push", "baseline": other, "gap": gap, "low": gap - 0.1, "high": gap + 0.1,
+                           "paper": 0.4} for other, gap in (("static", 0.6), ("adc", 0.3))])
     ax = draw(plots.gaps, table, "task", ["Push"])
     drawn = {container.get_label(): (to_hex(container[0].get_color()), container[0].get_xdata()[0])
              for container in ax.containers}

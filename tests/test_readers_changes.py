@@ -97,8 +97,8 @@ def test_what_is_shipped_is_read_and_what_is_new_is_stored_elsewhere(tmp_path, m
         return results[1:], []
 
     monkeypatch.setattr(page, "execute", compute)
-    gathered = page.gather(asked, LAPTOP)
-    assert [result.spec for result in gathered.results] == [run.spec for run in asked]
+    loaded = page.load_or_run(asked, LAPTOP)
+    assert [result.spec for result in loaded.results] == [run.spec for run in asked]
     assert computed == [([run.spec for run in asked[1:]], tmp_path / "build/results/laptop")]
     assert len(list((tmp_path / "results/laptop").iterdir())) == 1
 

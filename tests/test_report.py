@@ -17,10 +17,11 @@ from move.report import captions, differences, maps, page, plots, printed, style
 from move.sim.collect import Collection  # noqa: E402
 from move.sim.configuration import Disc  # noqa: E402
 from move.sim.tasks import TASKS  # noqa: E402
-from move.study import experiments, results, statistics  # noqa: E402
+from move.study import experiments, results  # noqa: E402
 from move.study.labels import LabelledRun  # noqa: E402
 from move.study.profiles import load_profile  # noqa: E402
 from move.study.spec import CollectionRun, PolicyRun  # noqa: E402
+from move.study.statistics import estimates as statistics  # noqa: E402
 
 
 def episodes(rates: dict[str, float], seeds: int = 3, trials: int = 16) -> pd.DataFrame:
@@ -62,7 +63,7 @@ def test_words_hold_after_holm():
 
 def test_the_table_over_tasks_has_the_task_as_its_unit():
     both = pd.concat([three_methods(task, 0.9) for task in ("push", "hammer", "assembly", "basketball")])
-    table = differences.tasks_table(both).set_index("than")
+    table = differences.tasks_table(both).set_index("baseline")
     assert table.tasks.tolist() == [4, 4] and table.loc["static"].improvement == 1.0
     assert table.loc["static"].p_value == pytest.approx(2 / 2**4)
     assert "p = 0.125" in differences.spoken_tasks(table.reset_index())
@@ -140,7 +141,7 @@ def test_the_shipped_table_4_is_that_of_the_profiles():
 
 
 def test_kept_shares_name_the_tasks_with_a_limited_reach():
-    shares = tables.kept_shares(np.random.default_rng(0), 50).set_index("task").kept_share
+    shares = tables.acceptance_rates(np.random.default_rng(0), 50).set_index("task").acceptance_rate
     assert shares["pick-place"] == 1.0 and shares["window-open"] < 1.0 and shares.between(0, 1).all()
 
 
@@ -188,13 +189,13 @@ def three_methods(task: str, move: float) -> pd.DataFrame:
 def test_the_gap_table_names_the_winner_on_each_item_and_on_the_mean():
     both = pd.concat([three_methods("a", 0.95), three_methods("b", 0.2)])
     table, means = differences.gap_table(both, "task"), differences.gap_means(both, "task")
-    assert list(zip(table.task, table.than, strict=True)) == [
+    assert list(zip(table.task, table.baseline, strict=True)) == [
         ("a", "static"), ("a", "adc"), ("b", "static"), ("b", "adc")]
-    assert means.than.tolist() == ["static", "adc"] and means["items"].tolist() == [2, 2]
+    assert means.baseline.tolist() == ["static", "adc"] and means["items"].tolist() == [2, 2]
     above, _, _, below = table.itertuples()
     mean = means.iloc[0]
     assert above.low > 0 and below.high < 0
-    assert mean.gap == pytest.approx(table[table.than == "static"].gap.mean())
+    assert mean.gap == pytest.approx(table[table.baseline == "static"].gap.mean())
     assert "above 0" in differences.spoken_gap(table.iloc[0]) and "below 0" in differences.spoken_gap(table.iloc[3])
     spoken = differences.spoken_gaps(table, means)
     assert "above static on 1 of 2" in spoken and "below it on 1" in spoken
@@ -202,13 +203,13 @@ def test_the_gap_table_names_the_winner_on_each_item_and_on_the_mean():
     _, ax = plt.subplots()
     plots.gaps(table, "task", ["a", "b"], ax, means)
     assert [label.get_text() for label in ax.get_yticklabels()] == ["a", "b", "mean of 2"]
-    assert ax.containers[0].lines[0].get_xdata().tolist() == [*table[table.than == "static"].gap, mean.gap]
+    assert ax.containers[0].lines[0].get_xdata().tolist() == [*table[table.baseline == "static"].gap, mean.gap]
 
 
 def test_the_papers_gap_stands_beside_ours_on_the_same_items():
     both = pd.concat([three_methods("push", 0.9), three_methods("hammer", 0.9)])
     gaps = differences.gap_table(both, "task", ("static",))
-    table = tables.with_paper(gaps, "table2_main", on=["task", "than"], metric="gap")
+    table = tables.with_paper(gaps, "table2_main", on=["task", "baseline"], metric="gap")
     assert table.paper.tolist() == pytest.approx([0.410 - 0.163, 0.309 - 0.156])
 
 
@@ -246,7 +247,7 @@ def test_two_readings_are_compared_on_the_tasks_that_have_both():
 def test_a_method_that_is_missing_leaves_no_gap():
     half = three_methods("a", 0.9)
     table = differences.gap_table(half[half.method != "adc"], "task")
-    assert list(table.than) == ["static"]
+    assert list(table.baseline) == ["static"]
     assert differences.gap_table(half[half.method == "adc"], "task").empty
     means = differences.gap_means(half, "task")
     assert means.empty and differences.spoken_gaps(differences.gap_table(half[half.method == "adc"], "task"),
@@ -284,10 +285,10 @@ def test_a_figure_drawn_from_what_is_stored_runs_nothing(tmp_path, monkeypatch):
     results.store(stored, tmp_path)
     other = stored.spec.model_copy(update={"seed": 5})
     monkeypatch.setattr(page, "execute", lambda *arguments: pytest.fail("something was run"))
-    gathered = page.gather([LabelledRun(stored.spec), LabelledRun(other)], load_profile("smoke"))
-    assert len(gathered.results) == 1 and gathered.missing == [(other, "not computed yet")]
-    assert "1 more run missing" in gathered.source and gathered.remark == "1 of 2 runs are missing"
-    assert "1 of 2 runs are missing" in gathered.behind
+    loaded = page.load_or_run([LabelledRun(stored.spec), LabelledRun(other)], load_profile("smoke"))
+    assert len(loaded.results) == 1 and loaded.missing == [(other, "not computed yet")]
+    assert "1 more run missing" in loaded.source and loaded.remark == "1 of 2 runs are missing"
+    assert "1 of 2 runs are missing" in loaded.behind
 
 
 def test_a_picture_from_keypoints_says_so_and_so_does_its_caption():
@@ -295,11 +296,11 @@ def test_a_picture_from_keypoints_says_so_and_so_does_its_caption():
                    collection=Collection(task="push", method="move", timesteps=2500))
     both = [results.Result(spec.model_copy(update={"seed": seed}), [{"success": True}] * 4, None, None,
                            {"train": 60.0 + seed}, {}) for seed in range(2)]
-    gathered = page.Gathered(load_profile("laptop"), both, pd.DataFrame(), [])
-    assert gathered.remark == "from keypoints: perception is given"
-    assert gathered.source.startswith("From keypoints (perception is given). 2,500 timesteps a data set. 2 seeds a")
-    assert "4 evaluation episodes a seed, 8 in all. 2 runs, 2 minutes in all" in gathered.source
-    assert "smaller networks" in gathered.source and "no run is missing" in gathered.behind
+    loaded = page.Loaded(load_profile("laptop"), both, pd.DataFrame(), [])
+    assert loaded.remark == "from keypoints: perception is given"
+    assert loaded.source.startswith("From keypoints (perception is given). 2,500 timesteps a data set. 2 seeds a")
+    assert "4 evaluation episodes a seed, 8 in all. 2 runs, 2 minutes in all" in loaded.source
+    assert "smaller networks" in loaded.source and "no run is missing" in loaded.behind
     untrained = captions.numbers([collector("static", [(True, 10)] * 3)], 0, "smaller networks")
     assert "smaller networks" not in untrained and "1 runs, 3 attempts each" in untrained
 
@@ -317,7 +318,7 @@ def test_a_readable_table_is_in_per_cent_and_points_with_human_names_and_no_nan(
     assert list(shown) == ["Task", "Method", "Success (%)", "Each seed (%)", "Episodes", "Paper (%)"]
     assert shown.values.tolist() == [["Disassembly", "MOVE", "50.0 [40.0, 61.2]", "50.0, 33.3", "1,000", "—"],
                                      ["Pick-Place", "ADC", "100.0 [90.0, 100.0]", "100.0", "100", "44.7"]]
-    gaps = pd.DataFrame([{"than": "static", "gap": -0.012, "low": -0.1, "high": 0.08, "p": 0.0001, "paper": 0.08}])
+    gaps = pd.DataFrame([{"baseline": "static", "gap": -0.012, "low": -0.1, "high": 0.08, "p": 0.0001, "paper": 0.08}])
     assert tables.readable(gaps).values.tolist() == [["static", "−1.2 [−10.0, +8.0]", "<0.001", "+8.0"]]
     assert tables.readable(gaps.iloc[:0]).values.tolist() == [["not computed yet"]]
     assert "Pick-Place" in tables.shown(table).to_html() and "NaN" not in tables.shown(table).to_html()

@@ -523,7 +523,7 @@ def test_a_profile_leaves_the_notebooks_out_that_have_nothing_to_show_in_it():
     left_out = set(notebooks.names()) - set(notebooks.of_profile(load_profile("laptop-keypoints")))
     assert left_out == {"table_recipe", "generalization", "fig_training_length", *PIXELS_ALONE}
     with pytest.raises(BadInput, match="profile paper: has no runs of this figure"):
-        page.gather([], load_profile("paper"))
+        page.load_or_run([], load_profile("paper"))
 
 
 # policies ------------------------------------------------------------------------------------------------------------

@@ -15,10 +15,10 @@ import move
 from move import paths
 from move.errors import BadInput
 from move.sim.collect import Collection, attempts, collect
+from move.sim.coverage import configurations
 from move.sim.motion.wrappers import Motions, ObjectTranslation, with_motions
 from move.sim.scene.scene import Scene
 from move.sim.tasks import get_task
-from move.study.coverage import configurations
 from move.teaching import exercises, films, methods
 from move.teaching import paths as traces
 

@@ -29,6 +29,7 @@ from metaworld.policies import ENV_POLICY_MAP  # noqa: E402
 from rich.console import Console  # noqa: E402
 from rich.table import Table  # noqa: E402
 
+from move.exchange.lerobot_policy import PYTHON as LEROBOT  # noqa: E402
 from move.learn.agents import PolicyAgent  # noqa: E402
 from move.learn.diffusion import DiffusionPolicy  # noqa: E402
 from move.learn.evaluate import Evaluation, evaluate  # noqa: E402
@@ -41,7 +42,6 @@ from move.sim.collect import Collection, attempts, collect  # noqa: E402
 from move.sim.demonstrations import Demonstrations  # noqa: E402
 from move.sim.scene.scene import Scene  # noqa: E402
 from move.sim.tasks import get_task  # noqa: E402
-from move.study.lerobot_policy import PYTHON as LEROBOT  # noqa: E402
 from move.study.plan import step_seconds  # noqa: E402
 from move.study.profiles import load_profile  # noqa: E402
 

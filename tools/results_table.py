@@ -59,7 +59,7 @@ def _gap(what: str, rates: str, gaps: str, where: str = "") -> str:
     ours, gap = _read(rates), _read(gaps)
     if where:
         ours, gap = ours[ours["where"] == where], gap[gap["where"] == where]
-    ours, gap = ours.set_index("method"), gap[gap.than == "static"].iloc[0]
+    ours, gap = ours.set_index("method"), gap[gap.baseline == "static"].iloc[0]
     printed = paper.published(rates, condition=where).set_index("method").value
     return _line(what, (ours.value["static"], ours.value["move"]), (gap.gap, gap.low, gap.high),
                  _seeds(ours.seeds["move"]), (printed["static"], printed["move"]), "static, MOVE")
@@ -76,7 +76,7 @@ def _factors() -> str:
 
 
 def _tasks(other: str) -> str:
-    rates, gap = _read("table2_main"), _read("table2_main_gaps_mean").set_index("than").loc[other]
+    rates, gap = _read("table2_main"), _read("table2_main_gaps_mean").set_index("baseline").loc[other]
     ours, name = rates.groupby("method").value.mean(), "ADC" if other == "adc" else other
     printed = paper.published("table2_main", "mean_success").set_index("method").value
     seeds = rates.seeds.map(_seeds).max()

@@ -99,7 +99,7 @@ def export(
     as_json: Json = False,
 ) -> None:
     """Write collected demonstrations as another program's data set."""
-    from move.study.export import export as write
+    from move.exchange.export import export as write
 
     show(write(data, out, form, clip_actions, whole_episodes), as_json, "Exported")
 
@@ -196,7 +196,7 @@ def evaluate(
         who: agents.Agent
         seen, name = KEYPOINTS, "lerobot" if lerobot else agent
         if lerobot is not None:
-            from move.study.lerobot_policy import PYTHON, LeRobotAgent
+            from move.exchange.lerobot_policy import PYTHON, LeRobotAgent
 
             served = stack.enter_context(LeRobotAgent(lerobot, lerobot_python or PYTHON, seed))
             who, seen = served, served.observation

@@ -8,11 +8,11 @@ import pandas as pd
 from scipy import stats
 
 from move.report.tables import rate_table
+from move.sim import coverage
 from move.sim.tasks import get_task
-from move.study import coverage
 from move.study.results import Result
 from move.study.spec import PolicyRun
-from move.study.statistics import UNKNOWN, TrainingNoise
+from move.study.statistics.estimates import UNKNOWN, TrainingNoise
 
 
 def coverage_table(

@@ -6,8 +6,8 @@ import numpy as np
 import pandas as pd
 
 from move.report.style import NAMES
-from move.study.cells import successes, training_noise
-from move.study.statistics import (
+from move.study.statistics.cells import successes, training_noise
+from move.study.statistics.estimates import (
     UNKNOWN,
     Estimate,
     TrainingNoise,
@@ -34,9 +34,9 @@ def gap_table(episodes: pd.DataFrame, by: str, others: tuple[str, ...] = ("stati
     noise = training_noise(episodes, [by, "method"], known)
     rows: list[dict] = []
     for other in others:
-        rows += with_holm([{by: value, "than": other, **gap(difference(*pair, noise))}
+        rows += with_holm([{by: value, "baseline": other, **gap(difference(*pair, noise))}
                             for value, pair in _pairs(episodes, by, other)])
-    table = pd.DataFrame(rows, columns=[by, "than", "gap", "low", "high", "p", "holm", "trainings"])
+    table = pd.DataFrame(rows, columns=[by, "baseline", "gap", "low", "high", "p", "holm", "trainings"])
     order = {value: place for place, value in enumerate(episodes[by].unique())}
     return table.sort_values(by, key=lambda values: values.map(order), kind="stable", ignore_index=True)
 
@@ -51,20 +51,20 @@ def gap_means(episodes: pd.DataFrame, by: str, others: tuple[str, ...] = ("stati
     rows: list[dict] = []
     for other in others:
         pairs = [pair for _, pair in _pairs(episodes, by, other)]
-        rows += [{"than": other, **_mean(pairs, noise)}] if len(pairs) > 1 else []
-    return pd.DataFrame(rows, columns=["than", "items", "gap", "low", "high", "p", "holm", "trainings"])
+        rows += [{"baseline": other, **_mean(pairs, noise)}] if len(pairs) > 1 else []
+    return pd.DataFrame(rows, columns=["baseline", "items", "gap", "low", "high", "p", "holm", "trainings"])
 
 
 def tasks_table(episodes: pd.DataFrame, others: tuple[str, ...] = ("static", "adc")) -> pd.DataFrame:
     """MOVE against each other method with the task as the unit, one row a method: what other tasks might give.
 
-    Columns than, and those of `move.study.statistics.OverTasks`; a method that meets MOVE on fewer than three tasks
-    has no row.
+    Columns baseline, and those of `move.study.statistics.estimates.OverTasks`; a method that meets MOVE on fewer than
+    three tasks has no row.
     """
     rows = []
     for other in others:
         pairs = [pair for _, pair in _pairs(episodes, "task", other)]
-        rows += [{"than": other, **vars(over_tasks(pairs))}] if len(pairs) > 2 else []
+        rows += [{"baseline": other, **vars(over_tasks(pairs))}] if len(pairs) > 2 else []
     return pd.DataFrame(rows)
 
 
@@ -148,8 +148,8 @@ def spoken_counts(table: pd.DataFrame) -> str:
 def spoken_gaps(table: pd.DataFrame, means: pd.DataFrame) -> str:
     """A `gap_table` and its `gap_means` in words: on how many items MOVE is above each other method, and the mean."""
     sentences = []
-    for other, each in table.groupby("than", sort=False):
-        clear, mean = each[each.holm < LEVEL], means[means.than == other]
+    for other, each in table.groupby("baseline", sort=False):
+        clear, mean = each[each.holm < LEVEL], means[means.baseline == other]
         above = (clear.gap > 0).sum()
         sentences.append(
             f"After Holm's adjustment MOVE is above {NAMES[other]} on {above} of {len(each)}, below it on "
@@ -162,7 +162,7 @@ def spoken_gaps(table: pd.DataFrame, means: pd.DataFrame) -> str:
 def spoken_tasks(table: pd.DataFrame) -> str:
     """A `tasks_table` in words: mean, interquartile mean, probability of improvement, and the test over tasks."""
     return " ".join(
-        f"Over {row.tasks} tasks, taken as a sample of tasks, MOVE minus {NAMES[row.than]} is "
+        f"Over {row.tasks} tasks, taken as a sample of tasks, MOVE minus {NAMES[row.baseline]} is "
         f"{_points(row.mean_difference)} points [{_points(row.low)}, {_points(row.high)}], of the interquartile "
         f"means {_points(row.iqm_first - row.iqm_second)} [{_points(row.iqm_low)}, {_points(row.iqm_high)}]; "
         f"MOVE is better on a task drawn at random with probability {row.improvement:.2f} [{row.improvement_low:.2f}, "

@@ -8,9 +8,9 @@ import pandas as pd
 from move.paper import published
 from move.report.differences import gap, spoken_gap
 from move.sim.tasks import TASKS, get_task
-from move.study.cells import successes, training_noise
-from move.study.data_efficiency import Efficiency, data_efficiency
-from move.study.statistics import UNKNOWN, TrainingNoise, difference
+from move.study.statistics.cells import successes, training_noise
+from move.study.statistics.data_efficiency import Efficiency, data_efficiency
+from move.study.statistics.estimates import UNKNOWN, TrainingNoise, difference
 
 COLUMNS = ["task", "timesteps", "ratio", "low", "high", "least", "most"]
 

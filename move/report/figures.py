@@ -22,7 +22,7 @@ from move.report.style import COLOURS, COLUMN_WIDTH, NAMES, PAGE_WIDTH, remark, 
 from move.sim.configuration import Box
 from move.sim.grasp_points import CIRCLE
 from move.sim.tasks import TASKS
-from move.study.claims import VERDICTS
+from move.study.claims.rule import VERDICTS
 
 SEEN = {"rgb": "from pixels", "keypoints": "from keypoints: perception given"}
 Strips = Mapping[str, tuple[np.ndarray, Sequence[int]]]  # title -> frames (count, size, size, 3), their timesteps
@@ -356,7 +356,7 @@ def statistics(simulated: pd.DataFrame) -> Figure:
     """How often the intervals hold the truth, and how wide they are.
 
     Args:
-        simulated: as `move.study.simulation.coverage` gives it.
+        simulated: as `move.study.statistics.simulation.coverage` gives it.
     """
     figure, axes = plt.subplots(1, 2, figsize=(PAGE_WIDTH, 2.8))
     plots.coverages(simulated, axes[0])

@@ -1,4 +1,4 @@
-"""What every notebook does around its picture: gather the runs, say where the numbers come from, write the files."""
+"""What every notebook does around its picture: load or compute runs, say where numbers come from, write files."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ from matplotlib.figure import Figure
 from move import paths
 from move.errors import BadInput
 from move.report import captions, changes, printed, style
-from move.study.cells import training_noise
 from move.study.execute import execute, progress_bars
 from move.study.experiments import table2_main, table_keypoint_control
 from move.study.labels import LabelledRun
 from move.study.profiles import Profile
 from move.study.results import NOT_COMPUTED, Result, missing_in_words, split, table
 from move.study.spec import RunSpec
-from move.study.statistics import UNKNOWN, TrainingNoise
+from move.study.statistics.cells import training_noise
+from move.study.statistics.estimates import UNKNOWN, TrainingNoise
 
 Item = TypeVar("Item")
 
 
 @dataclass(frozen=True)
-class Gathered:
+class Loaded:
     """The runs of one figure: what is stored, as results and as episodes, and what is missing."""
 
     profile: Profile
@@ -58,7 +58,7 @@ class Gathered:
         return "; ".join(parts)
 
 
-def gather(runs: list[LabelledRun], profile: Profile) -> Gathered:
+def load_or_run(runs: list[LabelledRun], profile: Profile) -> Loaded:
     """Compute what is missing of `runs`, unless MOVE_STORED_ONLY is set, and return all there is, with its labels.
 
     What is computed is stored under build/; the shipped results are only read.
@@ -74,7 +74,7 @@ def gather(runs: list[LabelledRun], profile: Profile) -> Gathered:
         raise BadInput(f"none of the {len(runs)} runs of this figure is stored; the first one: {missing[0][1]}")
     stored = {result.spec.hash: result for result in there}
     results = [replace(stored[run.spec.hash], labels=run.labels) for run in runs if run.spec.hash in stored]
-    return Gathered(profile, results, table(results), missing)
+    return Loaded(profile, results, table(results), missing)
 
 
 def _found(specs: list[RunSpec], profile: Profile) -> tuple[list[Result], list[tuple[RunSpec, str]]]:
@@ -110,7 +110,7 @@ def known_noise(profile: Profile, observation: str) -> TrainingNoise:
     return training_noise(episodes, ["task", "method", "timesteps"]) if len(episodes) else UNKNOWN
 
 
-def publish(name: str, figure: Figure | None, tables: dict[str, pd.DataFrame], gathered: Gathered, found: str = "",
+def save_outputs(name: str, figure: Figure | None, tables: dict[str, pd.DataFrame], loaded: Loaded, found: str = "",
             layouts: dict[str, pd.DataFrame] | None = None) -> None:
     """Write the figure (PDF, PNG, caption) and the tables (CSV, LaTeX) of a notebook.
 
@@ -119,13 +119,13 @@ def publish(name: str, figure: Figure | None, tables: dict[str, pd.DataFrame], g
         found: what came out, in words; part of the caption.
         layouts: suffix -> how that table is printed in LaTeX, where it is not as `tables.readable` says.
     """
-    runs = [*(result.spec for result in gathered.results), *(spec for spec, _ in gathered.missing)]
-    write(name, figure, tables, gathered.profile, gathered.source, found, gathered.remark, layouts, runs)
+    runs = [*(result.spec for result in loaded.results), *(spec for spec, _ in loaded.missing)]
+    write(name, figure, tables, loaded.profile, loaded.source, found, loaded.remark, layouts, runs)
 
 
-def publish_alone(name: str, figure: Figure | None, tables: dict[str, pd.DataFrame], profile: Profile,
+def save_outputs_alone(name: str, figure: Figure | None, tables: dict[str, pd.DataFrame], profile: Profile,
                   source: str = "", found: str = "", layouts: dict[str, pd.DataFrame] | None = None) -> None:
-    """`publish` for a notebook that needs no runs; `source` says where the numbers come from."""
+    """`save_outputs` for a notebook that needs no runs; `source` says where the numbers come from."""
     write(name, figure, tables, profile, source, found, layouts=layouts)
 
 
@@ -144,7 +144,7 @@ def write(name: str, figure: Figure | None, tables: dict[str, pd.DataFrame], pro
     Args:
         source: where the numbers come from; part of the captions.
         remark: one line in the picture itself.
-        found, layouts: as for `publish`.
+        found, layouts: as for `save_outputs`.
         runs: what it is drawn from, where that can differ from the profile's.
     """
     changed = changes.change(name, profile, runs=runs)

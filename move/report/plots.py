@@ -125,9 +125,9 @@ def gaps(table: pd.DataFrame, by: str, labels: list[str], ax: Axes, means: pd.Da
         ax.axhline(table[by].nunique() - 0.5, color="#BBBBBB", lw=0.8)
         table = pd.concat([table, means.drop(columns="items").assign(**{by: names})], ignore_index=True)
         labels = [*labels, *dict.fromkeys(names)]
-    values, others = list(table[by].unique()), list(table.than.unique())
+    values, others = list(table[by].unique()), list(table.baseline.unique())
     for place, other in enumerate(others):
-        rows = table[table.than == other]
+        rows = table[table.baseline == other]
         places = np.array([values.index(value) for value in rows[by]]) + (place - (len(others) - 1) / 2) * 0.4
         colour, marker = DIFFERENCES[other]
         ax.errorbar(rows.gap, places, xerr=[rows.gap - rows.low, rows.high - rows.gap], fmt=marker, ms=3.5, lw=1,
@@ -232,7 +232,7 @@ def coverages(table: pd.DataFrame, ax: Axes) -> None:
     """How often intervals hold the truth: one group a deviation of trainings, one mark a number of seeds.
 
     Args:
-        table: as `move.study.simulation.coverage` gives it.
+        table: as `move.study.statistics.simulation.coverage` gives it.
     """
     deviations, counts = sorted(table.deviation.unique()), sorted(table.seeds.unique())
     shifts = dict(zip(counts, np.linspace(-0.22, 0.22, len(counts)) * (len(counts) > 1), strict=True))

@@ -74,7 +74,7 @@ def _named(**names: str) -> Cell:
 
 
 COLUMNS: dict[str, tuple[str, Cell]] = {
-    "task": ("Task", _task), "method": ("Method", _method), "than": ("Against", _method),
+    "task": ("Task", _task), "method": ("Method", _method), "baseline": ("Against", _method),
     "timesteps": ("Timesteps", _count), "value": ("Success (%)", _percent), "seeds": ("Each seed (%)", _seeds),
     "episodes": ("Episodes", _count), "trainings": ("Training noise", str), "gap": ("Difference (points)", _points),
     "p": ("p", _probability), "holm": ("p, Holm", _probability), "items": ("Items", _count), "tasks": ("Tasks", _count),
@@ -94,7 +94,7 @@ COLUMNS: dict[str, tuple[str, Cell]] = {
     "all_runs": ("All runs", _count), "expert": ("Expert", _named(phase="ours", metaworld="Meta-World's")),
     "attempts": ("Attempts", _count), "generation_rate": ("Generation rate (%)", _percent),
     "mean_steps": ("Timesteps", _number), "jumps": ("Jumps", _number),
-    "paper_mean_steps": ("Timesteps, paper", _number), "kept_share": ("Kept (%)", _percent),
+    "paper_mean_steps": ("Timesteps, paper", _number), "acceptance_rate": ("Kept (%)", _percent),
     "paper_generation_rate": ("Generation rate, paper (%)", _percent), "mean": ("Mean success (%)", _percent),
     "count": ("Tasks", _count), "covered": ("Hold the truth (%)", _percent), "interval": ("Interval", str),
     "half_width": ("Half width (points)", _width), "deviation": ("Trainings differ by (points)", _width),
@@ -141,7 +141,7 @@ def _by_company(table: pd.DataFrame) -> dict[str, tuple[str, Cell]]:
     paper: tuple[str, Cell] = ("Paper (points)", _points) if "gap" in table else (
         ("Paper (%)", _percent) if "value" in table else ("Paper, timesteps", _count))
     lost = {"gap": ("Lost elsewhere (points)", _points)} if "own" in table else {}
-    than = {"than": ("Against (%)", _percent)} if "share" in table else {}
+    than = {"baseline": ("Against (%)", _percent)} if "share" in table else {}
     if "paper" in table and not pd.api.types.is_numeric_dtype(table["paper"]):
         paper = ("Paper", str)  # a profile's name is "paper", too
     seeds = {"seeds": ("Seeds", _count)} if "seeds" in table and table.seeds.map(type).ne(list).all() else {}

@@ -15,12 +15,12 @@ from move.sim.collection import METHODS
 from move.sim.configuration import Disc
 from move.sim.tasks import TASKS
 from move.sim.tasks.task import acceptance_rate
-from move.study.cells import successes, training_noise
 from move.study.labels import LabelledRun
 from move.study.profiles import Profile
 from move.study.results import Result
 from move.study.spec import CollectionRun, PolicyRun
-from move.study.statistics import UNKNOWN, TrainingNoise, difference, success_rate
+from move.study.statistics.cells import successes, training_noise
+from move.study.statistics.estimates import UNKNOWN, TrainingNoise, difference, success_rate
 
 __all__ = ["readable", "shown"]  # besides what stands here: one place for a notebook's tables
 
@@ -29,7 +29,7 @@ def rate_table(episodes: pd.DataFrame, by: list[str], known: TrainingNoise = UNK
     """One row a group: success rate, 95 % interval, each seed's own rate, episodes, what the interval knows.
 
     Below three seeds the training noise is pooled over the other groups. Column `trainings` is "own", "pooled" or
-    "unknown" as in `move.study.statistics.Estimate`, and "none" for an agent that is not trained.
+    "unknown" as in `move.study.statistics.estimates.Estimate`, and "none" for an agent that is not trained.
 
     Args:
         episodes: rows as `move.study.results.table` gives them, with the columns `by`.
@@ -50,9 +50,9 @@ def with_paper(table: pd.DataFrame, experiment: str, on: list[str], metric: str 
     """`table` with the paper's value beside each row, NaN where the paper gives none.
 
     Args:
-        on: the columns of `table` that tell rows apart in the paper: its task, method or than; one column of another
-            name holds the paper's condition.
-        metric: as in `move.paper.PAPER`, or "gap" for MOVE's success minus that of the method in column `than`.
+        on: the columns of `table` that tell rows apart in the paper: its task, method or baseline; one column of
+            another name holds the paper's condition.
+        metric: as in `move.paper.PAPER`, or "gap" for MOVE's success minus that of the method in column `baseline`.
         column: the name of the new column.
         where: what else the paper's rows must be, such as condition="simulation".
 
@@ -269,12 +269,12 @@ def data_sizes(costs: pd.DataFrame) -> pd.DataFrame:
         for method in PAPER_METHODS})
 
 
-def kept_shares(rng: np.random.Generator, configurations: int = 1000) -> pd.DataFrame:
+def acceptance_rates(rng: np.random.Generator, configurations: int = 1000) -> pd.DataFrame:
     """For each task the share of random configurations that its reach and clearance filter keeps.
 
     The same filter serves static starts, ADC's jumps, MOVE's motions and evaluation.
     """
-    return pd.DataFrame([{"task": name, "kept_share": acceptance_rate(TASKS[name], rng, configurations)}
+    return pd.DataFrame([{"task": name, "acceptance_rate": acceptance_rate(TASKS[name], rng, configurations)}
                          for name in PAPER_TASKS])
 
 

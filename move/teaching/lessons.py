@@ -29,9 +29,10 @@ from move.sim.collection import Method
 from move.sim.demonstrations import Demonstrations
 from move.sim.observe import keypoint_slices
 from move.sim.tasks import get_task
-from move.study import cells, experiments, results
+from move.study import experiments, results
 from move.study.profiles import load_profile
-from move.study.statistics import success_rate
+from move.study.statistics import cells
+from move.study.statistics.estimates import success_rate
 from move.validation import build
 
 REDRAWN = 0.2  # seconds between two looks at the progress of a training

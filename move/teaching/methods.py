@@ -14,9 +14,9 @@ from move.learn.settings import Training
 from move.learn.train import train
 from move.sim.collect import collect
 from move.sim.collection import Collection
+from move.sim.coverage import configurations
 from move.sim.tasks import get_task
-from move.study.coverage import configurations
-from move.study.statistics import success_rate
+from move.study.statistics.estimates import success_rate
 from move.teaching.paths import shares
 
 

@@ -13,9 +13,9 @@ from scipy import stats
 
 from move.report.style import COLOURS
 from move.sim.configuration import vector
+from move.sim.coverage import ANGLES, PARTS, visited_share
 from move.sim.motion import equations
 from move.sim.tasks import Task, get_task
-from move.study.coverage import ANGLES, PARTS, visited_share
 
 
 def traced(task: Task, v_max: float, omega_max: float, u_max: float, demonstrations: int, seed: int) -> pd.DataFrame:
@@ -30,7 +30,7 @@ def traced(task: Task, v_max: float, omega_max: float, u_max: float, demonstrati
         u_max: of the camera, radians a step.
 
     Returns:
-        Columns as `move.study.coverage.configurations` gives them, but for z and method.
+        Columns as `move.sim.coverage.configurations` gives them, but for z and method.
     """
     rng, rows = np.random.default_rng(seed), []
     for episode in range(demonstrations):

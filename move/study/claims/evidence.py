@@ -13,13 +13,13 @@ from scipy import stats
 
 from move.intervals import CONFIDENCE
 from move.paths import results
-from move.study.cells import successes, training_noise
-from move.study.claims import Finding, Item, Missing
+from move.study.claims.rule import Finding, Item, Missing
 from move.study.experiments import registry
 from move.study.labels import LabelledRun
 from move.study.profiles import Profile
 from move.study.results import Result, split, table
-from move.study.statistics import Estimate, TrainingNoise, difference, mean_difference, success_rate
+from move.study.statistics.cells import successes, training_noise
+from move.study.statistics.estimates import Estimate, TrainingNoise, difference, mean_difference, success_rate
 
 Where = dict[str, Any]
 EPISODE_COLUMNS = ["run", "kind", "task", "method", "observation", "timesteps", "factors", "hand_spread", "seed",

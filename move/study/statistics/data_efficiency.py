@@ -16,7 +16,7 @@ import numpy as np
 from scipy.optimize import isotonic_regression
 
 from move.intervals import CONFIDENCE
-from move.study.statistics import UNKNOWN, TrainingNoise
+from move.study.statistics.estimates import UNKNOWN, TrainingNoise
 
 Curve = Mapping[int, np.ndarray]
 """Timesteps -> successes, (seeds, configurations)."""

@@ -1,6 +1,6 @@
 """A LeRobot policy that answers over standard input and output; run by a Python that has LeRobot, which this has not.
 
-    python -I lerobot_server.py CHECKPOINT SEED          (started by move.study.lerobot_policy; imports nothing of move)
+    python -I lerobot_server.py CHECKPOINT SEED   (started by move.exchange.lerobot_policy; imports nothing of move)
 
 A message is the length of its header (four bytes, little-endian), the header (JSON), and the bytes of the arrays that
 the header's "arrays" describes. The server begins with "hello", then answers each "act" with "actions"; a "reset" has

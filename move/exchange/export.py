@@ -29,6 +29,7 @@ import pyarrow.parquet as pq
 from pydantic import ValidationError
 
 from move.errors import BadInput
+from move.exchange.feature_stats import Stats, feature_stats, pooled_stats
 from move.files import refuse_existing, written_aside
 from move.learn import dataset
 from move.realworld.lerobot_files import scalar_columns, scalar_features, vectors
@@ -37,7 +38,6 @@ from move.sim.demonstrations import Demonstrations
 from move.sim.observe import keypoint_names
 from move.sim.scene.scene import Scene
 from move.sim.tasks import TASKS
-from move.study.feature_stats import Stats, feature_stats, pooled_stats
 from move.video import write_video
 
 FORMATS = ("lerobot", "zarr")

@@ -14,13 +14,13 @@ from move import paper
 from move.paper import PAPER_TASKS
 from move.realworld.trials import compare
 from move.sim.collection import Collection, Method
+from move.sim.coverage import PARTS, configurations, visited_share
 from move.sim.grasp_points import CIRCLE
 from move.sim.tasks import TASKS, get_task
-from move.study.cells import successes
-from move.study.claims import CLAIMS, Contradiction, Finding, Item, Missing, Untestable, claim, verdict
-from move.study.coverage import PARTS, configurations, visited_share
-from move.study.data_efficiency import data_efficiency
-from move.study.evidence import Evidence
+from move.study.claims.evidence import Evidence
+from move.study.claims.rule import CLAIMS, Contradiction, Finding, Item, Missing, Untestable, claim, verdict
+from move.study.statistics.cells import successes
+from move.study.statistics.data_efficiency import data_efficiency
 
 STATIC, ADC, MOVE = ({"method": name, "observation": "rgb"} for name in ("static", "adc", "move"))
 EQUALLY_GOOD = 0.10  # two budgets count as equally good where the difference is surely above minus ten points
@@ -66,7 +66,7 @@ def _(evidence: Evidence) -> list[Item]:
 def _task_gaps(evidence: Evidence, other: dict, experiment: str = "table2_main", **both) -> list[Item]:
     name = other["method"]
     printed = paper.published("table2_main", "gap")
-    printed = printed[printed.than == name].set_index("task").value
+    printed = printed[printed.baseline == name].set_index("task").value
     return [evidence.gap(f"{TASKS[task].title}", experiment, {"task": task, **MOVE, **both},
                          {"task": task, **other, **both}, printed[task]) for task in PAPER_TASKS]
 

@@ -16,11 +16,11 @@ import numpy as np
 from gymnasium.spaces import Box
 
 from move.errors import BadInput
+from move.exchange.export import CAMERA, ENVIRONMENT, STATE
+from move.exchange.lerobot_server import Message, read_message, write_message
 from move.paths import BUILD
 from move.sim.observe import KEYPOINTS, ObservationSpec
 from move.sim.scene.scene import Scene
-from move.study.export import CAMERA, ENVIRONMENT, STATE
-from move.study.lerobot_server import Message, read_message, write_message
 
 PYTHON = BUILD / "lerobot-venv" / "bin" / "python"  # made by `make test-lerobot`
 SERVER = Path(__file__).with_name("lerobot_server.py")

@@ -1,0 +1,6 @@
+"""What became of each claim of the paper.
+
+rule.py       findings, and the rule that makes a verdict of them, the same for all
+evidence.py   a profile's stored runs, picked by what they are
+ledger.py     the claims, each with what decides it
+"""

@@ -1,0 +1,7 @@
+"""What rates and differences can say.
+
+estimates.py         rates, differences, means over tasks: intervals that know trainings and configurations
+cells.py             from a table of episodes to arrays of successes
+simulation.py        how often the intervals hold the truth
+data_efficiency.py   how many times MOVE's timesteps static needs
+"""
