@@ -26,7 +26,7 @@ def build(model: type[Model], **values: Any) -> Model:
 def first_problem(error: ValidationError) -> str:
     """The first thing that pydantic found wrong, in one line: where, what was given, what is allowed."""
     first = error.errors()[0]
-    where = ".".join(str(part) for part in first["loc"]) or "settings"
+    where = " ".join(".".join(str(part) for part in first["loc"]).split()) or "settings"
     given = first.get("input")
     shown = "" if isinstance(given, dict | list | BaseModel) else f"{given!r} given; "
     return f"{where}: {shown}{first['msg'].removeprefix('Value error, ').lower()}"

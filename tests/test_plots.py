@@ -46,6 +46,7 @@ COSTS = pd.DataFrame([{"task": task, "method": method, "expert": expert, "mean_s
 DRAWN = {  # plot -> how it is drawn with every method
     "rates": lambda: draw(plots.rates, rows()),
     "grouped_rates": lambda: draw(plots.grouped_rates, rows(where="here"), "where", ["here"]),
+    "covered": lambda: draw(plots.covered, rows().assign(task="push", moves="all", joint=[0.2, 0.4, 0.9]), "joint"),
     "ladder": lambda: draw(plots.ladder, rows().assign(moves=METHODS), "moves"),
     "curve": lambda: draw(lambda table, ax: plots.curve(table, "timesteps", "timesteps", ax, log=True),
                           many("timesteps", (100, 200))),

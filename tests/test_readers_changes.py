@@ -78,7 +78,8 @@ def test_a_changed_picture_says_how_in_large_letters_and_the_page_says_where(ker
     assert all(told in over.get_text() for told in ("keypoints", "timesteps 1,500", "seeds 1"))
     assert over.get_fontsize() >= 8
     (folder,) = (tmp_path / "build/figures").iterdir()
-    assert {path.name for path in folder.iterdir()} == {f"fig1_sparse.{kind}" for kind in ("png", "pdf", "csv", "tex")}
+    assert {path.name for path in folder.iterdir()} == {
+        f"fig1_sparse.{kind}" for kind in ("png", "pdf", "csv", "tex", "caption.md")}
     assert folder.name in said[0] and "timesteps 1,500" in said[0]
     assert not (tmp_path / "paper_figures").exists()
 
@@ -90,6 +91,7 @@ def test_what_is_shipped_is_read_and_what_is_new_is_stored_elsewhere(tmp_path, m
     rows = [{"trial": 0, "group": "grid", "success": True, "steps": 3}]
     results = [Result(run.spec, rows, None, None, {"train": 1.0}, {}) for run in asked]
     store(results[0], paths.results(LAPTOP))
+    monkeypatch.setattr("move.study.results.refuse_other_content", lambda content, spec: None)  # these are toys
     computed = []
 
     def compute(specs, folder):
@@ -107,6 +109,7 @@ def test_a_changed_notebook_runs_to_its_end_beside_what_is_shipped(tmp_path, mon
     monkeypatch.setenv("MOVE_ROOT", str(tmp_path))
     monkeypatch.setenv("PYTHONPATH", str(paths.ROOT))
     (tmp_path / "profiles").symlink_to(paths.PROFILES)
+    (tmp_path / "notebooks").symlink_to(paths.NOTEBOOKS)
     (tmp_path / "results").symlink_to(paths.ROOT / "results")
     monkeypatch.setattr(paths, "BUILD", tmp_path / "build")
     notebooks.run_notebook("statistics", LAPTOP, {"draws": 20}, stored_only=True)

@@ -39,7 +39,7 @@ def test_it_is_clean_and_its_cells_are_short():
 def test_it_makes_its_figures_and_tables_from_nothing(tmp_path):
     made = {path.name for path in figure(tmp_path, "smoke").iterdir()}
     pictures = ("table3_real", "fig8_real_setup", "fig8_object_places")
-    assert made == {f"{name}.{kind}" for name in pictures for kind in ("pdf", "png")} | {
+    assert made == {f"{name}.{kind}" for name in pictures for kind in ("pdf", "png", "caption.md")} | {
         f"{name}.{kind}" for name in ("table3_real", "table3_real_checks") for kind in ("csv", "tex")}
     assert not (tmp_path / "paper_figures").exists()
 

@@ -281,6 +281,7 @@ def test_plots_draw_one_mark_a_row_and_survive_a_missing_method():
 def test_a_figure_drawn_from_what_is_stored_runs_nothing(tmp_path, monkeypatch):
     monkeypatch.setenv("MOVE_STORED_ONLY", "1")
     monkeypatch.setattr(page.paths, "results", lambda profile: tmp_path)
+    monkeypatch.setattr("move.study.results.refuse_other_content", lambda content, spec: None)  # these are toys
     stored = collector("static", [(True, 10)])
     results.store(stored, tmp_path)
     other = stored.spec.model_copy(update={"seed": 5})

@@ -514,7 +514,8 @@ def test_each_method_has_the_same_budgets_seeds_and_hand_starts(figure):
     assert {spread for *_, spread in design("move")} == {experiments.HAND_SPREAD, 0.0}
 
 
-PIXELS_ALONE = ("fig4_scaling", "fig6_dimensions", "fig7_speed", "fig_mixture", "equal_demonstrations")
+PIXELS_ALONE = ("fig4_scaling", "fig6_dimensions", "fig7_speed", "fig_coverage", "fig_mixture",
+                "equal_demonstrations")
 
 
 def test_a_profile_leaves_the_notebooks_out_that_have_nothing_to_show_in_it():
