@@ -262,6 +262,11 @@ def flip_a_bit(folder):
 NAN = {"averaged/action_normalizer.scale": torch.full((3,), torch.nan)}
 
 
+def larger(**changes: int) -> dict:
+    """Settings as JSON holds them, with what no settings can be."""
+    return settings().model_dump() | changes
+
+
 @pytest.mark.parametrize(("damage", "reason"), [
     (lambda folder: (folder / "tensors-0000006.safetensors").unlink(), "No such file"),
     (lambda folder: (folder / "tensors-0000006.safetensors").write_bytes(b"short"), "digest"),
@@ -283,8 +288,8 @@ NAN = {"averaged/action_normalizer.scale": torch.full((3,), torch.nan)}
     (lambda folder: change_record(folder, "fitting", action_size=4), "shape .3,. given, .4,. needed"),
     (lambda folder: change_record(folder, "fitting", observation_shape=[10**10]), "shape"),
     (lambda folder: change_record(folder, "fitting", observation_shape=[10**30]), "checkpoint"),
-    (lambda folder: change_record(folder, "fitting", training=settings().model_dump() | {"mlp_width": 10**7}), "mlp_width"),
-    (lambda folder: change_record(folder, "fitting", training=settings().model_dump() | {"mlp_depth": 200_000}), "mlp_depth"),
+    (lambda folder: change_record(folder, "fitting", training=larger(mlp_width=10**7)), "mlp_width"),
+    (lambda folder: change_record(folder, "fitting", training=larger(mlp_depth=200_000)), "mlp_depth"),
     (lambda folder: change_record(folder, "fitting", training=settings(mlp_depth=200).model_dump()), "more blocks"),
     (lambda folder: change_tensors(folder, lambda tensors: tensors.pop("losses"), "fitting"), "losses: shape None"),
     (lambda folder: change_tensors(folder, lambda tensors: tensors.update(NAN), "fitting"), "numbers are finite"),

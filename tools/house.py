@@ -1,0 +1,116 @@
+"""Measure the house: sizes, types, documentation, tests for each line of code, and which room imports which.
+
+    python tools/house.py
+
+The lines of a test file are shared among the rooms that it imports, by how many modules of each. A back edge is an
+import of a room that lies later in the order in which data flow; a cycle is a set of files that import each other at
+their top level.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections import Counter
+from collections.abc import Container, Iterator
+from pathlib import Path
+from statistics import median
+
+import pandas as pd
+
+ROOT = Path(__file__).resolve().parent.parent
+ORDER = ("sim", "learn", "realworld", "study", "exchange", "report", "teaching", "cli")
+LONG = 100  # characters
+
+Function = ast.FunctionDef | ast.AsyncFunctionDef
+
+
+def room(name: str) -> str:
+    """The room of a module such as move.sim.tasks, "move" for what all rooms may use."""
+    parts = name.split(".")
+    return parts[1] if len(parts) > 1 and parts[1] in ORDER else "move"
+
+
+def functions(tree: ast.AST) -> Iterator[Function]:
+    """Every function of a file."""
+    return (node for node in ast.walk(tree) if isinstance(node, Function))
+
+
+def imports(tree: ast.Module, modules: Container[str], everywhere: bool = True) -> set[str]:
+    """Those of `modules` that a file imports, at its top level or everywhere."""
+    found: set[str] = set()
+    for node in ast.walk(tree) if everywhere else tree.body:
+        if isinstance(node, ast.ImportFrom) and node.module:
+            names = [f"{node.module}.{alias.name}" for alias in node.names]
+            found |= {name if name in modules else node.module for name in names}
+        elif isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+    return {name for name in found if name in modules}
+
+
+def module_name(path: Path) -> str:
+    """The dotted name of a file."""
+    return ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__")
+
+
+def measure_room(name: str, paths: list[Path], test_lines: float) -> dict[str, float | str]:
+    """One row: sizes, types and documentation of the files of a room."""
+    texts = [path.read_text() for path in paths]
+    lines = [len(text.splitlines()) for text in texts]
+    found = [function for text in texts for function in functions(ast.parse(text))]
+    sizes = [function.end_lineno - function.lineno + 1 for function in found]
+    arguments = [argument for function in found for argument in (*function.args.args, *function.args.kwonlyargs)
+                 if argument.arg not in ("self", "cls")]
+    public = [function for function in found if not function.name.startswith("_")]
+    return {
+        "room": name, "files": len(paths), "lines": sum(lines), "file_median": median(lines), "file_max": max(lines),
+        "function_median": median(sizes), "function_max": max(sizes),
+        "arguments_typed": round(100 * sum(argument.annotation is not None for argument in arguments) / len(arguments)),
+        "documented": round(100 * sum(ast.get_docstring(function) is not None for function in public) / len(public)),
+        "long_lines": round(100 * sum(len(line) > LONG for text in texts for line in text.splitlines()) / sum(lines)),
+        "tests_a_line": round(test_lines / sum(lines), 2),
+    }
+
+
+def back_edges(trees: dict[str, ast.Module]) -> list[str]:
+    """Imports of a later room, as "from -> to"."""
+    found = {(name, other) for name, tree in trees.items() for other in imports(tree, trees)
+             if room(name) in ORDER and room(other) in ORDER and ORDER.index(room(other)) > ORDER.index(room(name))}
+    return sorted(f"{name} -> {other}" for name, other in found)
+
+
+def cycles(trees: dict[str, ast.Module]) -> list[set[str]]:
+    """Sets of files that import each other at their top level."""
+    edges = {name: imports(tree, trees, everywhere=False) - {name} for name, tree in trees.items()}
+
+    def reached(start: str) -> set[str]:
+        seen: set[str] = set()
+        waiting = [start]
+        while waiting:
+            for other in edges[waiting.pop()] - seen:
+                seen.add(other)
+                waiting.append(other)
+        return seen
+
+    reach = {name: reached(name) for name in edges}
+    found = {frozenset(other for other in reach[name] if name in reach[other]) for name in edges if name in reach[name]}
+    return [set(names) for names in found]
+
+
+def main() -> None:
+    """Print one row a room, then cycles and back edges."""
+    paths: dict[str, list[Path]] = {}
+    for path in sorted((ROOT / "move").rglob("*.py")):
+        paths.setdefault(room(module_name(path)), []).append(path)
+    trees = {module_name(path): ast.parse(path.read_text()) for files in paths.values() for path in files}
+    tests: Counter[str] = Counter()
+    for path in (ROOT / "tests").glob("*.py"):
+        used = Counter(room(name) for name in imports(ast.parse(path.read_text()), trees))
+        for name, count in used.items():
+            tests[name] += len(path.read_text().splitlines()) * count / used.total()
+    rows = [measure_room(name, paths[name], tests[name]) for name in ("move", *ORDER)]
+    print(pd.DataFrame(rows).to_string(index=False))
+    print(f"cycles: {cycles(trees) or 'none'}\nback edges: {back_edges(trees) or 'none'}")
+
+
+if __name__ == "__main__":
+    main()
