@@ -78,7 +78,7 @@ verify: $(READY)  ## check every shipped result, recompute a fresh sample of the
 	$(BIN)/move verify --profile $(PROFILE)
 
 lab: $(READY)  ## open JupyterLab on its start page: what to read in which order
-	$(BIN)/jupyter lab --ServerApp.root_dir=. --LabApp.default_url='/lab/tree/notebooks/start.md?factory=Markdown%20Preview'
+	$(BIN)/jupyter lab --ServerApp.root_dir=. --LabApp.app_settings_dir=docs/lab --LabApp.default_url=/lab/tree/notebooks/start.md
 
 site: $(READY)  ## one page of all results and a page a figure, from what is stored, into build/site
 	$(BIN)/python tools/make_site.py

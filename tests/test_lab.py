@@ -15,7 +15,7 @@ import pytest
 from move import paths
 
 NOTEBOOK = "statistics"
-START = "/lab/tree/notebooks/start.md?factory=Markdown%20Preview"
+START = "/lab/tree/notebooks/start.md"
 IDLE = "document.querySelector('.jp-Notebook-ExecutionIndicator')?.dataset.status === 'idle'"
 LONG = 300_000  # milliseconds
 
@@ -34,14 +34,19 @@ def lab(tmp_path: Path) -> Iterator[str]:
     environment = os.environ | {"MOVE_ROOT": str(tmp_path), "PYTHONPATH": str(paths.ROOT), "OMP_NUM_THREADS": "1",
                                 "JUPYTER_CONFIG_DIR": str(tmp_path / "jupyter")}
     command = [sys.executable, "-m", "jupyterlab", "--no-browser", "--allow-root", f"--port={port}", "--ip=127.0.0.1",
-               "--IdentityProvider.token=", f"--ServerApp.root_dir={tmp_path}"]
+               "--IdentityProvider.token=", f"--ServerApp.root_dir={tmp_path}",
+               f"--LabApp.app_settings_dir={paths.ROOT / 'docs/lab'}"]
     server = subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     try:
         wait_for(lambda: socket.socket().connect_ex(("127.0.0.1", port)) == 0, 120)
         yield f"http://127.0.0.1:{port}"
     finally:
         server.terminate()
-        server.wait(30)
+        try:
+            server.wait(30)
+        except subprocess.TimeoutExpired:  # a kernel that does not end
+            server.kill()
+            server.wait(30)
 
 
 def wait_for(there, seconds: float) -> None:
