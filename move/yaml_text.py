@@ -6,6 +6,7 @@ anybody writes, and texts that were meant as numbers.
 
 from __future__ import annotations
 
+import json
 from typing import Any
 
 import yaml
@@ -54,6 +55,7 @@ def read(text: str, where: str) -> Any:
         raise BadInput(f"{where}: {len(text):,} characters of YAML; allowed are {LONGEST:,}")
     try:
         content = yaml.load(text, _Loader)  # noqa: S506, a SafeLoader that knows less
+        json.dumps(content, ensure_ascii=False).encode()  # half a surrogate pair is no text
     except (yaml.YAMLError, ValueError, RecursionError) as error:
         raise BadInput(f"{where}: not readable as YAML: {' '.join(str(error).split())[:300]}") from error
     refuse_text_numbers(content, where)

@@ -114,8 +114,8 @@ def listed(parts: Iterable[object]) -> str:
     >>> listed(["2,000", "3,500", "7,000"])
     '2,000; 3,500 and 7,000'
     """
-    *rest, last = map(str, parts)
-    return f"{'; '.join(rest)} and {last}" if rest else last
+    words = list(map(str, parts))
+    return " and ".join(part for part in ("; ".join(words[:-1]), *words[-1:]) if part)
 
 
 def numbers(results: list[Result], missing: int, purpose: str) -> str:

@@ -58,6 +58,8 @@ def _(evidence: Evidence) -> list[Item]:
         return [mean]
     rows = evidence.rows("table2_main", **STATIC)
     static = float(rows.groupby("task").success.mean().mean())
+    if static == 0:
+        return [mean]  # nothing to be relative to
     relative = (mean.value / static, mean.low / static, mean.high / static)
     return [mean, Finding("relative improvement", *relative, paper=_printed("table2_main", "relative_gain"),
                           runs=mean.runs)]
