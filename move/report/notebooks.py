@@ -16,7 +16,7 @@ from move.choices import notebooks as names
 from move.errors import BadInput
 from move.report import parameters
 from move.report.changes import BY_COMMAND
-from move.study.execute import PART_SHARE
+from move.study.execute import how_far
 from move.study.experiments import EXPERIMENTS, defaults, runs, specs
 from move.study.profiles import Profile
 
@@ -115,7 +115,8 @@ def watched(missing: list[str], on_runs: OnRuns | None) -> Iterator[None]:
 
     def watch() -> None:
         while missing and on_runs and not ended.wait(1.0):
-            on_runs(sum(map(_done, missing)), len(missing))
+            under_way = filter(None, map(how_far, (paths.RUNS / run for run in missing)))
+            on_runs(sum(fraction for _, fraction in under_way), len(missing))
 
     watcher = threading.Thread(target=watch, daemon=True)
     watcher.start()
@@ -124,16 +125,6 @@ def watched(missing: list[str], on_runs: OnRuns | None) -> Iterator[None]:
     finally:
         ended.set()
         watcher.join()
-
-
-def _done(run: str) -> float:
-    """How much of a run is done, from the small file that it writes while it is under way."""
-    try:
-        part, done, total = (paths.RUNS / run / "progress").read_text().split()
-        start, share = PART_SHARE[part]
-        return start + share * int(done) / int(total)
-    except (OSError, ValueError, KeyError):
-        return 0.0
 
 
 @contextmanager

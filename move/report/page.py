@@ -111,7 +111,7 @@ def known_noise(profile: Profile, observation: str) -> TrainingNoise:
 
 
 def save_outputs(name: str, figure: Figure | None, tables: dict[str, pd.DataFrame], loaded: Loaded, found: str = "",
-            layouts: dict[str, pd.DataFrame] | None = None) -> None:
+                 layouts: dict[str, pd.DataFrame] | None = None) -> None:
     """Write the figure (PDF, PNG, caption) and the tables (CSV, LaTeX) of a notebook.
 
     Args:
@@ -124,7 +124,7 @@ def save_outputs(name: str, figure: Figure | None, tables: dict[str, pd.DataFram
 
 
 def save_outputs_alone(name: str, figure: Figure | None, tables: dict[str, pd.DataFrame], profile: Profile,
-                  source: str = "", found: str = "", layouts: dict[str, pd.DataFrame] | None = None) -> None:
+                       source: str = "", found: str = "", layouts: dict[str, pd.DataFrame] | None = None) -> None:
     """`save_outputs` for a notebook that needs no runs; `source` says where the numbers come from."""
     write(name, figure, tables, profile, source, found, layouts=layouts)
 

@@ -147,14 +147,24 @@ def _print(console: Console, line: str) -> None:
 
 
 def _show(spec: RunSpec, progress: Progress, bars: dict[str, TaskID]) -> None:
-    """Show how far a run under way is, from the small file that it writes."""
+    """Show how far a run under way is."""
+    if far := how_far(RUNS / spec.hash):
+        part, fraction = far
+        progress.update(bars[spec.hash], completed=fraction, visible=True, description=f"{spec.label}: {part}")
+
+
+def how_far(folder: Path) -> tuple[str, float] | None:
+    """Which part a run is at and how much of it all is done, from the small file that it writes; None if there is none.
+
+    Args:
+        folder: the run's own, under build/runs.
+    """
     try:
-        part, done, total = (RUNS / spec.hash / "progress").read_text().split()
-    except (OSError, ValueError):
-        return
-    start, share = PART_SHARE[part]
-    progress.update(bars[spec.hash], completed=start + share * int(done) / int(total), visible=True,
-                    description=f"{spec.label}: {part}")
+        part, done, total = (folder / "progress").read_text().split()
+        start, share = PART_SHARE[part]
+        return part, start + share * int(done) / int(total)
+    except (OSError, ValueError, KeyError):
+        return None
 
 
 def progress_bars(quiet: bool) -> Progress:

@@ -30,8 +30,6 @@ from move.validation import first_problem
 NOT_COMPUTED = "not computed yet"
 LARGEST = 50_000_000  # bytes of a result's file; real ones have some ten thousand
 
-NOT_COMPUTED = "not computed yet"
-
 
 @dataclass(frozen=True)
 class Result:

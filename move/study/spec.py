@@ -64,29 +64,35 @@ class _Run(BaseModel):
         return self
 
 
-class PolicyRun(_Run):
+class _Collected(_Run):
+    """A run that collects demonstrations of its task."""
+
+    collection: Collection
+
+    @model_validator(mode="after")
+    def _one_task(self) -> Self:
+        if self.collection.task != self.task:
+            raise ValueError(f"task {self.task!r} but a collection of {self.collection.task!r}")
+        return self
+
+    @property
+    def observation(self) -> str:
+        """What is kept of each timestep, and what a policy sees: "keypoints" or "rgb"."""
+        return self.collection.observation
+
+    @property
+    def method(self) -> str:
+        """How the data are collected."""
+        return self.collection.method
+
+
+class PolicyRun(_Collected):
     """Collect demonstrations, train a policy on them, evaluate it."""
 
     kind: ClassVar[str] = "policy"
 
     agent: Literal["policy"] = Field(default="policy", alias="player")
-    collection: Collection
     training: Training
-
-    @model_validator(mode="after")
-    def _one_task(self) -> Self:
-        _same_task(self.task, self.collection)
-        return self
-
-    @property
-    def observation(self) -> str:
-        """What the policy sees: "keypoints" or "rgb"."""
-        return self.collection.observation
-
-    @property
-    def method(self) -> str:
-        """How its data were collected."""
-        return self.collection.method
 
     @property
     def label(self) -> str:
@@ -124,41 +130,24 @@ class ControlRun(_Run):
         return f"{self.task} {self.agent}"
 
 
-class CollectionRun(_Run):
+class CollectionRun(_Collected):
     """Count attempts to demonstrate; `evaluation.episodes` says how many."""
 
     kind: ClassVar[str] = "collector"
 
     agent: Literal["collector"] = Field(default="collector", alias="player")
-    collection: Collection
     training: None = None
 
     @model_validator(mode="after")
-    def _one_task_and_method(self) -> Self:
+    def _one_method_and_no_policy(self) -> Self:
         if self.collection.method == "mixture":
             raise ValueError("attempts of a mixture; allowed are those of each of its methods")
-        _same_task(self.task, self.collection)
         return self._no_policy()
-
-    @property
-    def observation(self) -> str:
-        """What would be kept of each timestep."""
-        return self.collection.observation
-
-    @property
-    def method(self) -> str:
-        """How it collects."""
-        return self.collection.method
 
     @property
     def label(self) -> str:
         """One line that names the run to a reader."""
         return f"{self.task} attempts, {self.collection.method}, {self.collection.expert} expert"
-
-
-def _same_task(task: str, collection: Collection) -> None:
-    if collection.task != task:
-        raise ValueError(f"task {task!r} but a collection of {collection.task!r}")
 
 
 RunSpec = PolicyRun | ControlRun | CollectionRun
