@@ -44,6 +44,7 @@ class Grid:
     def __init__(self, folder: Path, seeds: int, steps: int) -> None:
         self.folder = folder
         (folder / "profiles").mkdir(parents=True)
+        (folder / "notebooks").symlink_to(SOURCE / "notebooks")
         text = PROFILE.replace("STEPS", str(steps)).replace("SEEDS", str(seeds))
         (folder / "profiles" / "tortured.yaml").write_text(text)
 
@@ -51,7 +52,7 @@ class Grid:
         """`move run` on two processes, in a group of its own."""
         environment = {**os.environ, "MOVE_ROOT": str(self.folder), "MOVE_CHECKPOINT_SECONDS": "0.1",
                        "PYTHONPATH": str(SOURCE), "OMP_NUM_THREADS": "1"}
-        command = [sys.executable, "-m", "move.cli", "run", "--profile", "tortured", "--figure", "keypoint_control",
+        command = [sys.executable, "-m", "move.cli", "run", "--profile", "tortured", "keypoint_control",
                    "--workers", "2"]
         with (self.folder / "log").open("a") as log:
             return psutil.Popen(command, env=environment, start_new_session=True, stdout=log, stderr=log)
