@@ -183,7 +183,7 @@ def commands(name: str) -> str:
                    if isinstance(value, int) and value > 1), "")
     lines = ["## Make it, change it", "From the shipped results, into `paper_figures/`; changed, into a folder of its "
              "own under `build/figures/`, which computes what is missing; or in the browser with `make lab`.", "",
-             f"    make {name}", change, f"    move plan --figure {name}", ""]
+             f"    make {name}", change, f"    move plan {name}", ""]
     lines += ["| parameter | here |", "|---|---|", *(f"| `{key}` | `{value}` |" for key, value in own.items())]
     return "\n".join(lines if own else lines[:5])
 
