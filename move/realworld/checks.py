@@ -108,22 +108,21 @@ def _units(data: RobotDataSet) -> Check:
 
 def _limits(episodes: Sequence[RobotEpisode]) -> Check:
     name = "joints stay within PIPER's limits"
-    judged = [e for e in episodes if e.joints is not None]
+    judged = [(_name(e), outside_limits(e.joints)) for e in episodes if e.joints is not None]
     if not judged:
         return Check(name, "not checked", "no joints")
-    bad = [f"{_name(e)} {100 * share:.0f} % of steps" for e in judged if (share := outside_limits(e.joints)) > 0]
+    bad = [f"{episode} {100 * share:.0f} % of steps" for episode, share in judged if share > 0]
     return _bad(name, bad, f"{len(judged)} episodes, slack 0.1 rad", "differs")
 
 
 def _kinematics(episodes: Sequence[RobotEpisode], *, allowed_m: float = 0.02) -> Check:
     """Compare the recorded pose with the pose that the joints give; catches wrong units, frames and tool offsets."""
     name = "recorded pose agrees with PIPER's kinematics"
-    judged = [e for e in episodes if e.joints is not None and e.end_effector is not None and e.joints.shape[1] == 6]
-    if not judged:
+    gaps = [np.linalg.norm(forward_kinematics(e.joints)[:, :3] - e.end_effector[:, :3], axis=1)
+            for e in episodes if e.joints is not None and e.end_effector is not None and e.joints.shape[1] == 6]
+    if not gaps:
         return Check(name, "not checked", "needs six joints and a pose")
-    gaps = np.concatenate(
-        [np.linalg.norm(forward_kinematics(e.joints)[:, :3] - e.end_effector[:, :3], axis=1) for e in judged])
-    gap = float(np.nanmedian(gaps))
+    gap = float(np.nanmedian(np.concatenate(gaps)))
     detail = f"median distance {100 * gap:.1f} cm" + ("" if gap <= allowed_m else
                                                       ": another frame, a tool offset, another arm, or wrong units")
     return Check(name, "pass" if gap <= allowed_m else "differs", detail)

@@ -177,8 +177,9 @@ def _method(part: Part) -> str:
 
 def _summary(part: Part, refs: Sequence[EpisodeRef], read: Sequence[RobotEpisode]) -> dict:
     """One row of `contents`; where the layout does not tell lengths, the total is known only if all was read."""
-    lengths = [ref.timesteps for ref in refs]
-    if None in lengths:
+    told = [ref.timesteps for ref in refs if ref.timesteps is not None]
+    lengths: list[int] | None = told
+    if len(told) < len(refs):
         lengths = [episode.timesteps for episode in read] if len(read) == len(refs) else None
     return {
         "part": part.name, "method": read[0].method if read else _method(part), "layout": LAYOUTS[part.layout].title,

@@ -7,6 +7,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -35,7 +36,7 @@ class EpisodeRef:
     index: int  # its number in the part
     files: tuple[str, ...]  # the files needed to read it, relative to the part's root
     timesteps: int | None = None  # None where only the data tell
-    place: Mapping[str, object] = field(default_factory=dict)  # whatever else its layout's reader needs
+    place: Mapping[str, Any] = field(default_factory=dict)  # whatever else its layout's reader needs
 
 
 @dataclass(frozen=True)
@@ -111,7 +112,7 @@ def method_of(name: str) -> str:
 
 
 def make_recording(part: Part, ref: EpisodeRef, streams: Mapping[str, np.ndarray | None], *, fps: float | None,
-                   **rest) -> Recording:
+                   **rest: Any) -> Recording:
     """Cut the streams of an episode to their shortest and give it time.
 
     Args:
@@ -135,7 +136,7 @@ def make_recording(part: Part, ref: EpisodeRef, streams: Mapping[str, np.ndarray
         cut["timestamps_s"] = np.arange(shortest) / (fps or 30.0)
         notes += (f"no timestamps on disk: {fps or 30.0:g} Hz assumed",)
     cut["timestamps_s"] = cut["timestamps_s"] - cut["timestamps_s"][0]
-    return Recording(part=part.name, index=ref.index, lengths=lengths, notes=notes, **cut, **rest)
+    return Recording(part=part.name, index=ref.index, lengths=lengths, notes=notes, **(rest | cut))
 
 
 def _numbers(name: str, values: np.ndarray, where: str) -> np.ndarray:

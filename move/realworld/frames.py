@@ -42,7 +42,7 @@ class Frames:
         with reading(self.source, "the frames of a camera"):
             return self.count()
 
-    def read(self, numbers: Sequence[int]) -> np.ndarray:
+    def read(self, numbers: Sequence[int] | np.ndarray) -> np.ndarray:
         """Decode some frames.
 
         Args:
@@ -134,11 +134,13 @@ def _decode(path: Path, start_s: float, numbers: Sequence[int]) -> Iterable[np.n
     """Yield the wanted frames in one pass from the key frame before the first of them."""
     with _opened(path) as container:
         stream = container.streams.video[0]
+        if not stream.average_rate or not stream.time_base:
+            raise BadInput(f"{path}: the video does not say how many frames a second it has")
         rate = float(stream.average_rate)
         origin = float((stream.start_time or 0) * stream.time_base) + start_s
         container.seek(int((origin + numbers[0] / rate) / stream.time_base), stream=stream, backward=True)
         wanted = iter(numbers)
-        target = next(wanted)
+        target: int | None = next(wanted)
         for frame in _frames(container, path):
             if round((frame.time - origin) * rate) == target:
                 yield frame.to_ndarray(format="rgb24")

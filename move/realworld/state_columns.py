@@ -103,7 +103,7 @@ def busiest(arms: dict[str, Columns], state: np.ndarray) -> tuple[Columns, str |
     if len(arms) == 1:
         return next(iter(arms.values())), None
     travel = {side: float(np.abs(np.diff(state[:, list(c.joints + c.pose)], axis=0)).sum()) for side, c in arms.items()}
-    side = max(travel, key=travel.get)
+    side = max(travel, key=lambda arm: travel[arm])
     return arms[side], f"{len(arms)} arms recorded: the {side or 'unnamed'} one moves most and is read"
 
 

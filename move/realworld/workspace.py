@@ -193,12 +193,13 @@ def action_table(episodes: Sequence[RobotEpisode]) -> pd.DataFrame:
     """
     rows = []
     for method in sorted({e.method for e in episodes if e.action is not None}):
-        actions = [e for e in episodes if e.method == method and e.action is not None]
-        for width in sorted({e.action.shape[1] for e in actions}):
-            alike = [e for e in actions if e.action.shape[1] == width]
-            names = alike[0].action_names if len(alike[0].action_names) == width else [str(n) for n in range(width)]
-            values = np.vstack([e.action for e in alike])
-            change = np.vstack([np.abs(np.diff(e.action, axis=0)) for e in alike]).mean(axis=0)
+        actions = [(e.action, e.action_names) for e in episodes if e.method == method and e.action is not None]
+        for width in sorted({action.shape[1] for action, _ in actions}):
+            alike = [(action, names) for action, names in actions if action.shape[1] == width]
+            stated = alike[0][1]
+            names = stated if len(stated) == width else tuple(str(n) for n in range(width))
+            values = np.vstack([action for action, _ in alike])
+            change = np.vstack([np.abs(np.diff(action, axis=0)) for action, _ in alike]).mean(axis=0)
             rows += [{
                 "method": method, "component": name, "mean": values[:, n].mean(), "sd": values[:, n].std(),
                 "lowest": values[:, n].min(), "highest": values[:, n].max(), "mean_step": change[n],

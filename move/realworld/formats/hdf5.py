@@ -140,7 +140,8 @@ def _pika(part: Part, ref: EpisodeRef, file: h5py.File, path) -> Recording:
     notes = []
     if pose is None and (pose := _first(file, "localization/pose", ("pika",))) is not None:
         notes.append("end effector is the Pika's own localisation: its frame is the tracker's, not the arm's base")
-    gripper, hint = _first(file, "gripper/encoderDistance", PIKA_GRIPPERS), "m"
+    hint: str | None = "m"
+    gripper = _first(file, "gripper/encoderDistance", PIKA_GRIPPERS)
     if gripper is None:
         gripper, hint = _first(file, "gripper/encoderAngle", PIKA_GRIPPERS), "pika_rad"
     if gripper is None and position is not None and position.shape[1] > 6:
@@ -153,7 +154,7 @@ def _pika(part: Part, ref: EpisodeRef, file: h5py.File, path) -> Recording:
                                              ("master",)) if "arm/jointStatePosition/master" in file else None,
         "timestamps_s": _values(file["timestamp"]) if "timestamp" in file else None,
     }
-    cameras = {}
+    cameras: dict[str, Frames] = {}
     for name, data in file.get("camera/color", {}).items():
         frames = _pika_camera(path, data)
         cameras |= {name: frames} if frames else {}
@@ -195,13 +196,15 @@ def _robomind(part: Part, ref: EpisodeRef, file: h5py.File, path) -> Recording:
     side, note = _busy_side(file["puppet"])
     position = _member(file, f"puppet/joint_position{side}")
     pose = _member(file, f"puppet/end_effector{side}")
-    wide = position is not None and position.shape[1] >= 7
+    joints, gripper = position, None
+    if position is not None and position.shape[1] >= 7:
+        joints, gripper = position[:, :-1], position[:, -1]
     streams = {
-        "joints": position[:, :-1] if wide else position, "gripper": position[:, -1] if wide else None,
+        "joints": joints, "gripper": gripper,
         "end_effector": None if pose is None else pose[:, :6], "action": _member(file, f"master/joint_position{side}"),
     }
     cameras = {name: from_hdf5(path, data.name) for name, data in file.get("observations/rgb_images", {}).items()}
-    notes = ([note] if note else []) + (["last joint taken as the gripper"] if wide else [])
+    notes = ([note] if note else []) + ([] if gripper is None else ["last joint taken as the gripper"])
     return make_recording(part, ref, streams, fps=ROBOMIND_HZ, source=path, cameras=cameras, notes=notes)
 
 

@@ -110,6 +110,7 @@ def recording(part: Part, ref: EpisodeRef, info: Info, table: pa.Table, source,
     features = info.features
     state, names = _state(table, features)
     columns, hints, notes = None, {}, []
+    joints = end_effector = gripper = None
     if state is not None:
         arms, note = split_columns(names, state.shape[1])
         notes += [note] if note else []
@@ -117,13 +118,14 @@ def recording(part: Part, ref: EpisodeRef, info: Info, table: pa.Table, source,
             columns, choice = busiest(arms, state)
             notes += [choice] if choice else []
             hints = unit_hints(names, columns) if len(names) == state.shape[1] else {}
+            joints = state[:, columns.joints] if columns.joints else None
+            end_effector = state[:, columns.pose] if columns.pose else None
+            gripper = None if columns.gripper is None else state[:, columns.gripper]
     action = next((key for key in ACTION if key in table.column_names), None)
     images = {key: image_frames(part, table, key, str(source))
               for key in info.cameras("image") if key in table.column_names}
     streams = {
-        "joints": state[:, columns.joints] if columns and columns.joints else None,
-        "end_effector": state[:, columns.pose] if columns and columns.pose else None,
-        "gripper": state[:, columns.gripper] if columns and columns.gripper is not None else None,
+        "joints": joints, "end_effector": end_effector, "gripper": gripper,
         "action": to_matrix(table, action) if action else None, "state": state,
         "timestamps_s": to_matrix(table, "timestamp")[:, 0] if "timestamp" in table.column_names else None,
     }

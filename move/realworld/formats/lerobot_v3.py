@@ -29,7 +29,7 @@ def metadata(files: Sequence[str]) -> list[str]:
 def episodes(part: Part) -> list[EpisodeRef]:
     """List the episodes of `meta/episodes/`."""
     info = lerobot.read_info(part, "v3")
-    refs = []
+    refs: list[EpisodeRef] = []
     for name in sorted(file for file in part.files if file.startswith("meta/episodes/") and file.endswith(".parquet")):
         path = inside(part.root, name)
         with reading(path, "the episode table of a LeRobot v3.0 data set"):
@@ -42,13 +42,13 @@ def episodes(part: Part) -> list[EpisodeRef]:
 
 def _ref(info: lerobot.Info, row: dict, where: str) -> EpisodeRef:
     """Turn one row of the episode table into a reference."""
-    place = {
+    place: dict[str, str | tuple[str, float]] = {
         "data": fill_template(
             info.data_path or DATA,
             {"chunk_index": int(row["data/chunk_index"]), "file_index": int(row["data/file_index"])}, where)
     }
     for key in info.cameras("video"):
-        file = {
+        file: dict[str, int | str] = {
             "video_key": key, "chunk_index": int(row[f"videos/{key}/chunk_index"]),
             "file_index": int(row[f"videos/{key}/file_index"]),
         }

@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 import numpy as np
+import zarr
 
 from move.errors import BadInput
 from move.realworld.episode import EpisodeRef, Part, Recording, make_recording
@@ -42,7 +43,7 @@ def episodes(part: Part) -> list[EpisodeRef]:
         ends_name = "meta/episode_ends"
         within("episodes", _array(buffer, ends_name).shape[0], f"{path}: {ends_name}")
         with buffer.opened() as group:
-            ends = np.asarray(group[ends_name][:])
+            ends = np.asarray(_stored(group, ends_name)[:])
         if ends.ndim != 1 or ends.dtype.kind not in "iu":
             raise BadInput(f"{path}: {ends_name} is {ends.dtype} {ends.shape}; expected whole numbers (episodes,)")
         ends = ends.astype(np.int64)
@@ -61,9 +62,17 @@ def _array(buffer: PlainGroup, name: str) -> PlainArray:
     return buffer.arrays[name]
 
 
+def _stored(group: zarr.Group, name: str) -> zarr.Array:
+    """An array that was judged before."""
+    array = group[name]
+    assert isinstance(array, zarr.Array)
+    return array
+
+
 def read(part: Part, ref: EpisodeRef) -> Recording:
     """Read the rows of one episode; images only when asked for."""
-    buffer, (start, end) = ref.place["buffer"], ref.place["rows"]
+    buffer: PlainGroup = ref.place["buffer"]
+    start, end = ref.place["rows"]
     names = {name.removeprefix("data/"): about for name, about in buffer.arrays.items() if name.startswith("data/")}
     with reading(buffer.path, EXPECTED), buffer.opened() as group:
 
@@ -72,7 +81,7 @@ def read(part: Part, ref: EpisodeRef) -> Recording:
             if key is None:
                 return None
             within("memory_bytes", (end - start) * names[key].row_bytes, f"{buffer.path}: data/{key}")
-            return np.asarray(group[f"data/{key}"][start:end])
+            return np.asarray(_stored(group, f"data/{key}")[start:end])
 
         gripper = rows(GRIPPER)
         streams = {
@@ -91,7 +100,7 @@ def _frames(buffer: PlainGroup, key: str, start: int, end: int) -> Frames:
     def load(numbers: Sequence[int]) -> Iterable[np.ndarray]:
         with buffer.opened() as group:
             for number in numbers:
-                yield np.asarray(group["data"][key][start + number])
+                yield np.asarray(_stored(group, f"data/{key}")[start + number])
 
     stored = max(0, min(end, buffer.arrays[f"data/{key}"].shape[0]) - start)
     return Frames(f"{buffer.path}:data/{key}", lambda: stored, load)
