@@ -75,13 +75,22 @@ def written_aside(path: Path) -> Iterator[Path]:
 
 def put_away_remains(path: Path) -> None:
     """Put away what a killed process of this machine left beside `path`."""
-    name = re.compile(rf"\.{re.escape(path.name)}\.{re.escape(HOST)}\.(\d+)\.(part|old)")
-    for found in list(path.parent.iterdir()) if path.parent.is_dir() else []:
-        match = name.fullmatch(found.name)
-        if match is None or _is_alive(int(match[1])):
+    _put_away(path.parent, re.escape(path.name))
+
+
+def put_away_all_remains(folder: Path) -> None:
+    """Put away what killed processes of this machine left in `folder`, whatever they wrote."""
+    _put_away(folder, ".+")
+
+
+def _put_away(folder: Path, names: str) -> None:
+    left = re.compile(rf"\.({names})\.{re.escape(HOST)}\.(\d+)\.(part|old)")
+    for found in list(folder.iterdir()) if folder.is_dir() else []:
+        match = left.fullmatch(found.name)
+        if match is None or _is_alive(int(match[2])):
             continue
-        if match[2] == "old" and not os.path.lexists(path):
-            os.replace(found, path)
+        if match[3] == "old" and not os.path.lexists(folder / match[1]):
+            os.replace(found, folder / match[1])
         else:
             _remove(found)
 

@@ -114,7 +114,7 @@ def test_a_worker_that_does_not_share_the_folder_is_refused_before_any_run(tmp_p
     if when == "later":
         monkeypatch.setattr(cluster.Cluster, "refuse_unfit_workers", lambda self: None)
     monkeypatch.setattr(Path, "touch", lambda path: None)  # so that the token is nowhere
-    monkeypatch.setattr(execute, "check_writable", lambda folder: None)
+    monkeypatch.setattr(execute, "refuse_unwritable", lambda path: None)
     with two_threads() as address, pytest.raises(BadInput, match="worker.*: it does not share the folder") as problem:
         execute.execute(LONG, tmp_path, address, quiet=True)
     assert "\n" not in str(problem.value)

@@ -151,7 +151,7 @@ def test_a_missing_result_is_missing(tmp_path):
 def test_a_folder_without_permission_is_refused(tmp_path):
     tmp_path.chmod(stat.S_IRUSR | stat.S_IXUSR)
     with pytest.raises(BadInput, match="cannot write"):
-        results.check_writable(tmp_path / "results")
+        execute.execute([tiny_spec()], tmp_path / "results", quiet=True)
 
 
 def test_a_folder_that_is_a_file_is_refused_before_any_work(tmp_path):

@@ -218,17 +218,6 @@ def test_run_sets_a_bad_file_aside_and_computes_anew(honest, folder, change, mon
     assert told.count("\n") == 1 and f"{path} is not usable" in told and aside.name in told
 
 
-def test_what_a_dead_process_left_is_removed_and_what_a_living_one_writes_is_not(tmp_path):
-    dead = 2**22 + 1  # beyond what Linux gives
-    node = results.platform.node()
-    left = [f"abc.{dead}.part", f"abc.{node}.{dead}.part"]
-    kept = [f"abc.{os.getpid()}.part", f"abc.{node}.{os.getpid()}.part", f"abc.elsewhere.{dead}.part", "abc.part"]
-    for name in left + kept:
-        (tmp_path / name).write_text("")
-    results.remove_leftovers(tmp_path)
-    assert sorted(path.name for path in tmp_path.iterdir()) == sorted(kept)
-
-
 def test_a_full_disk_is_one_line_and_leaves_nothing(honest, tmp_path, monkeypatch):
     result = results.load(spec(0), stored(honest[0], tmp_path / "there"))
 

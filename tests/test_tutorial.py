@@ -19,7 +19,7 @@ from move.sim.coverage import configurations
 from move.sim.motion.wrappers import Motions, ObjectTranslation, with_motions
 from move.sim.scene.scene import Scene
 from move.sim.tasks import get_task
-from move.teaching import exercises, films, methods
+from move.teaching import exercises, methods
 from move.teaching import paths as traces
 
 TUTORIAL = paths.NOTEBOOKS / "tutorial"
@@ -158,14 +158,6 @@ def test_a_motion_moves_as_it_is_traced():
     motion = ObjectTranslation(Scene("pick-place"), 0.03)
     episode = next(attempts(Collection(task="pick-place", method="static", timesteps=1), 0, motion))
     assert episode.succeeded and motion.moves == get_task("pick-place").object_steps
-
-
-def test_films_stand_side_by_side_below_their_names_and_wait_for_the_longest():
-    short, long = np.full((2, 64, 64, 3), 50, np.uint8), np.full((5, 64, 64, 3), 90, np.uint8)
-    together = films.side_by_side({"a": short, "b": long}, ["#0072B2", "#D55E00"])
-    assert together.shape == (5, films.BAND + 64, 128, 3)
-    assert (together[4, films.BAND:, :64] == 50).all() and (together[4, films.BAND:, 64:] == 90).all()
-    assert not np.array_equal(together[0, :films.BAND, 64:], together[4, :films.BAND, 64:])  # the step
 
 
 def test_a_method_of_ones_own_is_collected_without_editing_the_package():

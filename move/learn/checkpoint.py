@@ -10,7 +10,6 @@ Checkpoints of earlier versions have neither digest nor task.
 
 import hashlib
 import json
-import os
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -30,6 +29,7 @@ from safetensors.torch import load_file, save_file
 from torch import Tensor
 
 from move.errors import BadInput
+from move.files import put_away_all_remains, written_aside
 from move.learn.diffusion import DiffusionPolicy
 from move.learn.settings import Training
 
@@ -100,24 +100,18 @@ def write(checkpoint: Checkpoint, folder: Path) -> None:
     record |= {"format": FORMAT, "training": checkpoint.training.model_dump(mode="json"), "tensors": name}
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        _replace(folder / name, lambda path: save_file(checkpoint.tensors, path))
+        put_away_all_remains(folder)
+        with written_aside(folder / name) as beside:
+            save_file(checkpoint.tensors, beside)
         record = json.loads(json.dumps(record))
         record["digest"] = _digest(record, folder)
-        _replace(folder / "run.json", lambda path: path.write_text(json.dumps(record, indent=1) + "\n"))
+        with written_aside(folder / "run.json") as beside:
+            beside.write_text(json.dumps(record, indent=1) + "\n")
         for old in folder.glob("tensors-*"):
             if old.name != name:
                 old.unlink()
     except (OSError, SafetensorError) as error:
         raise BadInput(f"cannot write the checkpoint in {folder}: {' '.join(str(error).split())}") from error
-
-
-def _replace(path: Path, write_to: Any) -> None:
-    beside = path.with_name(f"{path.name}.part")
-    try:
-        write_to(beside)
-        os.replace(beside, path)
-    finally:
-        beside.unlink(missing_ok=True)
 
 
 def _digest(record: dict[str, Any], folder: Path) -> str:
@@ -148,7 +142,7 @@ def read(folder: Path, device: str = "cpu") -> Checkpoint | None:
 
 
 def _reason(error: Exception) -> str:
-    if isinstance(error, ValidationError):
+    if isinstance(error, ValidationError):  # what was given may be anything, and is not repeated
         first = error.errors()[0]
         return f"{'.'.join(map(str, first['loc'])) or 'run.json'}: {first['msg']}"
     return " ".join(str(error).split())[:200]

@@ -25,11 +25,12 @@ from rich.progress import (
 from rich.table import Column
 
 from move.errors import BadInput
+from move.files import put_away_all_remains, refuse_unwritable
 from move.machine import default_workers
 from move.paths import RUNS
 from move.study.cluster import GONE, UnfitWorker, dask_cluster
 from move.study.processes import Processes, RunFailed
-from move.study.results import NOT_COMPUTED, Result, check_writable, remove_leftovers, set_aside, split
+from move.study.results import NOT_COMPUTED, Result, set_aside, split
 from move.study.spec import RunSpec
 
 PART_SHARE = {"collect": (0.0, 0.1), "train": (0.1, 0.75), "evaluate": (0.85, 0.15)}  # start and share of a run's time
@@ -82,8 +83,9 @@ def execute(
     folder = folder.absolute()
     _, missing = split(specs, folder)
     if missing:
-        check_writable(folder)
-        remove_leftovers(folder)
+        refuse_unwritable(folder / "result.json")
+        folder.mkdir(parents=True, exist_ok=True)
+        put_away_all_remains(folder)
         todo = list({spec.hash: spec for spec, _ in missing}.values())
         local = min(len(todo), workers or default_workers())
         with dask_cluster(cluster, folder) if cluster else process_pool(local) as pool:

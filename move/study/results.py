@@ -9,8 +9,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
-import platform
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from itertools import count
@@ -18,10 +16,10 @@ from pathlib import Path
 from typing import Any
 
 import pandas as pd
-import psutil
 from pydantic import ValidationError
 
 from move.errors import BadInput
+from move.files import written_aside
 from move.study.labels import Label
 from move.study.spec import RunSpec, run_spec_from_json
 from move.study.stored import refuse_other_content
@@ -67,47 +65,9 @@ def store(result: Result, folder: Path) -> Path:
     content = json.loads(json.dumps(content))
     content["digest"] = _digest(content)
     path = folder / f"{result.spec.hash}.json"
-    beside = folder / f"{result.spec.hash}.{platform.node()}.{os.getpid()}.part"
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
+    with written_aside(path) as beside:
         beside.write_text(json.dumps(content, sort_keys=True) + "\n")
-        os.replace(beside, path)
-    except OSError as error:
-        raise BadInput(f"results: cannot write {path}: {error.strerror}; a writable folder is needed") from error
-    finally:
-        _remove(beside)
     return path
-
-
-def _remove(path: Path) -> None:
-    try:
-        path.unlink(missing_ok=True)
-    except OSError:  # a folder that cannot be written: nothing was
-        pass
-
-
-def remove_leftovers(folder: Path) -> None:
-    """Delete what processes of this machine that died while they stored a result have left."""
-    for path in folder.glob("*.part"):
-        _, *node, process, _ = path.name.split(".") if path.name.count(".") > 1 else ("", "", "", "")
-        here = ".".join(node) in ("", platform.node())
-        if here and process.isdigit() and not psutil.pid_exists(int(process)):
-            _remove(path)
-
-
-def check_writable(folder: Path) -> None:
-    """Refuse a results folder that cannot be written, before any work is done.
-
-    Raises:
-        BadInput: it cannot be made, or not written.
-    """
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        probe = folder / f".{os.getpid()}.probe"
-        probe.touch()
-        probe.unlink()
-    except OSError as error:
-        raise BadInput(f"results: cannot write to {folder}: {error.strerror}; a writable folder is needed") from error
 
 
 def load(spec: RunSpec, folder: Path) -> Result | None:
