@@ -207,7 +207,6 @@ def test_task_rates_stand_under_their_tasks_between_floor_and_ceiling_with_the_p
 def test_a_rate_at_its_own_grasps_is_hollow_one_elsewhere_filled_and_one_in_motion_a_triangle():
     table = pd.concat([rows(task="push", group=group).assign(value=lambda seen, part=part: seen.value * part)
                        for group, part in (("grasp", 1), ("random", 0.5), ("moving", 0.25))]).assign(low=0.0)
-    looks = {(marker, filling) for marker, filling in (("o", "#ffffff"), ("o", None), ("^", None))}
     drawn = [container[0] for container in draw(plots.own_and_elsewhere, table).containers]
     expected = {(COLOUR[name], marker, filling or COLOUR[name], round(VALUE[name] * part, 6))
                 for name in METHODS for (marker, filling), part in zip(
@@ -216,8 +215,10 @@ def test_a_rate_at_its_own_grasps_is_hollow_one_elsewhere_filled_and_one_in_moti
             for mark in drawn} == expected and len(drawn) == 9
     entries = plots.own_and_elsewhere_entries(table)
     assert [entry.get_label() for entry in entries[:3]] == [NAME[name] for name in METHODS]
-    assert {(entry.get_marker(), to_hex(entry.get_mfc()).replace("#444444", "") or None)
-            for entry in entries[3:]} == looks
+    told = {entry.get_label(): (entry.get_marker(), to_hex(entry.get_mfc()).replace("#444444", "") or None)
+            for entry in entries[3:]}
+    assert told == {"at its own grasps": ("o", "#ffffff"), "elsewhere": ("o", None),
+                    "elsewhere, in motion": ("^", None)}
 
 
 def test_changes_and_gains_stand_at_their_numbers_beside_their_names_and_minutes():

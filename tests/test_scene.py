@@ -48,6 +48,17 @@ def test_same_seed_same_trajectory_bit_for_bit():
     assert not np.array_equal(rollout(first, seed=7), rollout(second, seed=8))
 
 
+@pytest.mark.parametrize("name", ["pick-place", "assembly"])  # Assembly's gripper turns
+def test_an_action_beyond_one_does_what_one_does(name):
+    def after(action: float) -> np.ndarray:
+        scene = Scene(name)
+        scene.reset(seed=0)
+        return np.array([scene.step(np.full(scene.task.action_size, action))[0] for _ in range(5)])
+
+    assert np.array_equal(after(7.0), after(1.0)) and np.array_equal(after(-7.0), after(-1.0))
+    assert not np.array_equal(after(1.0), after(0.5))
+
+
 def test_a_used_scene_is_as_good_as_a_new_one():
     used = Scene()
     in_turn = [rollout(used, seed=seed) for seed in (1, 2, 3)]  # no other scene writes into the model in between

@@ -349,6 +349,17 @@ def test_the_plan_counts_a_shared_training_once(tmp_path, monkeypatch):
     assert rows[1]["missing"] == 90 and rows[1]["hours_left"] == pytest.approx(60 * TRIAL_MINUTES / 60, abs=0.01)
 
 
+def test_the_plan_costs_a_run_as_stored_runs_like_it_cost(monkeypatch):
+    specs = [spec for spec in experiments.specs("table2_main", load_profile("laptop")) if spec.observation == "rgb"]
+    new, *others = [spec for spec in specs if spec.task == "push"]
+    other_task = next(spec for spec in specs if spec.task == "hammer")
+    there = [results.Result(spec, [], None, None, {"collect": 60.0, "train": 60.0 * minutes}, {})
+             for spec, minutes in [*zip(others, (5, 11, 29), strict=False), (other_task, 90)]]
+    monkeypatch.setattr("move.study.plan.split", lambda specs, folder: (there, [(new, "not computed yet")]))
+    (row,) = plan_rows(load_profile("laptop"), {"table 2": [new]})
+    assert row["hours_left"] == pytest.approx((1 + 11) / 60, abs=0.01)  # their median, and not that of other tasks
+
+
 # evaluation ----------------------------------------------------------------------------------------------------------
 
 
