@@ -59,6 +59,28 @@ def test_a_worker_with_two_threads_gives_all_of_table_6_as_no_cluster_does(tmp_p
     assert_equal_to_no_cluster(specs, tmp_path)
 
 
+def test_a_worker_that_is_killed_in_the_middle_loses_and_doubles_nothing(tmp_path):
+    specs = experiments.specs("table6_collection", SMOKE)[:4]
+    stored: dict[Path, int] = {}  # when each result that was there at the kill had been written
+    with LocalCluster(n_workers=2, threads_per_worker=1, protocol="tcp://", dashboard_address=None) as local:
+        first = next(iter(local.workers.values()))
+
+        def kill_once_something_is_stored():
+            while not stored:
+                stored.update({path: path.stat().st_mtime_ns for path in tmp_path.glob("*.json")})
+            first.process.process._process.kill()
+
+        killer = threading.Thread(target=kill_once_something_is_stored)
+        killer.start()
+        found, missing = execute.execute(specs, tmp_path, local.scheduler_address, quiet=True)
+        killer.join()
+    assert 0 < len(stored) < len(specs)
+    assert not missing and {path.name for path in tmp_path.iterdir()} == {f"{spec.hash}.json" for spec in specs}
+    assert {path: path.stat().st_mtime_ns for path in stored} == stored  # not made again
+    assert [content(result) for result in found] == [
+        content(run.run(spec, tmp_path / "here")) for spec in specs]
+
+
 @contextlib.contextmanager
 def interrupted(seconds: float):
     """Ctrl-C after so many seconds; it has to end the block within three more."""
