@@ -399,7 +399,8 @@ def table2_main(rates: pd.DataFrame, given: pd.DataFrame, controls: pd.DataFrame
     figure.legend(handles=handles, ncol=6, loc="outside upper center")
     plots.gaps(gaps, "task", [TASKS[name].title for name in gaps.task.unique()], axes[2], means)
     handles, _ = axes[2].get_legend_handles_labels()
-    axes[2].legend(handles=sorted(handles, key=lambda handle: handle.get_label().endswith("paper")))
+    handles = sorted(handles, key=lambda handle: handle.get_label().endswith("paper"))
+    axes[2].legend(handles=handles, ncol=2, loc="lower right", bbox_to_anchor=(1, 1))  # above: bars fill the panel
     titles(axes, ["from pixels", "from keypoints: perception given", "from pixels: MOVE minus the others"])
     return figure
 
