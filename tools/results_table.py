@@ -47,7 +47,7 @@ def _seeds(rates: object) -> int:
     return len(str(rates).split())
 
 
-def _line(what: str, ours: tuple[float, float], gap: tuple[float, float, float], seeds: int,
+def _line(what: str, ours: tuple[float, float], gap: tuple[float, float, float], seeds: int | str,
           published: tuple[float, float], names: str) -> str:
     points = "{:+.0f} [{:+.0f}, {:+.0f}]".format(*(100 * value for value in gap))
     theirs = published[1] - published[0]
@@ -79,9 +79,9 @@ def _tasks(other: str) -> str:
     rates, gap = _read("table2_main"), _read("table2_main_gaps_mean").set_index("baseline").loc[other]
     ours, name = rates.groupby("method").value.mean(), "ADC" if other == "adc" else other
     printed = paper.published("table2_main", "mean_success").set_index("method").value
-    seeds = rates.seeds.map(_seeds).max()
+    seeds = sorted(set(rates[rates.method.isin([other, "move"])].seeds.map(_seeds)))
     what = f"Table 2, mean of {gap['items']:.0f} tasks"
-    return _line(what, (ours[other], ours["move"]), (gap.gap, gap.low, gap.high), seeds,
+    return _line(what, (ours[other], ours["move"]), (gap.gap, gap.low, gap.high), " to ".join(map(str, seeds)),
                  (printed[other], printed["move"]), f"{name}, MOVE")
 
 
