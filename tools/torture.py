@@ -14,6 +14,7 @@ import json
 import os
 import random
 import shutil
+import signal
 import sys
 import tempfile
 import time
@@ -106,6 +107,8 @@ def torture(grid: Grid, expected: dict[str, object], kills: int, chance: random.
         counts["rounds"] += 1
         counts["rounds that differ"] += grid.outcome() != expected
         counts["half-written files"] += len(grid.leftovers())
+        done = sum(counts[target] for target in TARGETS)
+        sys.stderr.write(f"{done} of {kills} kills, {counts['rounds']} rounds, {counts['rounds that differ']} differ\n")
 
 
 def _goes_on_to_its_end(grid: Grid, kills: int, chance: random.Random, seconds: float, counts: Counter[str]) -> bool:
@@ -174,6 +177,7 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=1, help="trainings a method")
     parser.add_argument("--steps", type=int, default=300, help="gradient steps of a training")
     given = parser.parse_args()
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # in the background a shell has it ignored
     with tempfile.TemporaryDirectory() as folder:
         grid = Grid(Path(folder), given.seeds, given.steps)
         expected, seconds = undisturbed(grid)
