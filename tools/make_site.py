@@ -37,6 +37,7 @@ SITE, SOURCE, DOCS = paths.BUILD / "site", paths.BUILD / "site-source", paths.RO
 SHIPPED, TUTORIAL = paths.figures(PROFILE), paths.NOTEBOOKS / "tutorial"
 REPOSITORY_PAGES = {"deviations": "KNOWN_DEVIATIONS.md", "security": "SECURITY.md"}
 ORDER = ("claims", "fig", "table", "generalization", "keypoint")  # beginnings of names; the others follow
+CELL_SECONDS = 600  # no cell takes so long; without it one whose reply was lost is waited for forever
 GALLERY = ("fig1_sparse", "fig2_overview", "fig5_circle", "table2_main", "claims", "fig4_scaling")
 TO_THE_DOCUMENTS = {f"]({name})": f"]({page}.md)" for page, name in REPOSITORY_PAGES.items()}
 
@@ -84,7 +85,8 @@ def executed_copy(path: Path) -> NotebookNode:
     made = paths.BUILD / "site-notebooks" / path.name
     made.parent.mkdir(parents=True, exist_ok=True)
     given = {} if path.parent == TUTORIAL else notebooks.notebook_parameters(path.stem, PROFILE, {})
-    return papermill.execute_notebook(path, made, given, kernel_name="python3", progress_bar=False, cwd=path.parent)
+    return papermill.execute_notebook(path, made, given, kernel_name="python3", progress_bar=False, cwd=path.parent,
+                                      execution_timeout=CELL_SECONDS)
 
 
 def is_of_today(executed: NotebookNode, notebook: NotebookNode) -> bool:
