@@ -63,3 +63,4 @@ def setup(app: Any) -> None:
     """Register what this file adds to Sphinx."""
     app.add_html_math_renderer("mathml", (write_math, None), (write_math, None))
     app.connect("autodoc-process-docstring", keep_columns, priority=900)
+nb_ipywidgets_js = {}  # a page has no kernel that sliders could ask, and nothing is loaded from elsewhere
