@@ -4,12 +4,14 @@ import json
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
+from safetensors import SafetensorError
 
 from move import choices, cli, paths
-from move.learn import dataset
+from move.learn import checkpoint, dataset
 from move.report import notebooks
 from move.study.doctor import examine, locked_versions
 
@@ -78,6 +80,38 @@ def test_a_full_disk_is_one_line_and_leaves_nothing(capsys, tmp_path, monkeypatc
     assert (code, out, err.count("\n")) == (2, "", 1) and "No space left on device" in err
     monkeypatch.undo()
     assert [path.name for path in tmp_path.iterdir()] == ["data.zarr"] and dataset.load(data)[0].timesteps == 50
+
+
+@pytest.mark.parametrize("file, error", [
+    ("tensors", OSError(28, "No space left on device")),
+    ("tensors", SafetensorError("Error while serializing: I/O error: No space left on device (os error 28)")),
+    ("record", OSError(28, "No space left on device")),
+])
+def test_a_disk_full_while_training_is_one_line_and_the_checkpoint_before_stays(
+        capsys, tmp_path, monkeypatch, file, error):
+    data, policy = str(tmp_path / "data.zarr"), tmp_path / "policy"
+    assert move(capsys, "collect", "--timesteps", "50", "--out", data, "--json")[0] == 0
+    train = ("train", data, str(policy), "--profile", "smoke", "--gradient-steps", "3", "--json")
+    monkeypatch.setattr("move.learn.train.CHECKPOINT_SECONDS", 0.0)  # one after each step
+    real, writes = {"tensors": checkpoint.save_file, "record": Path.write_text}[file], []
+
+    def full(*arguments):
+        path = next(argument for argument in arguments if isinstance(argument, Path))
+        writes.append(path)
+        if len(writes) == 1:
+            return real(*arguments)
+        path.write_bytes(b"half")
+        raise error
+
+    monkeypatch.setattr(*{"tensors": (checkpoint, "save_file"), "record": (Path, "write_text")}[file], full)
+    code, out, err = move(capsys, *train)
+    monkeypatch.undo()
+    assert (code, out, err.count("\n")) == (2, "", 1) and "No space left on device" in err and len(writes) == 2
+    assert checkpoint.read(policy).step == 1
+    names = {path.name for path in policy.iterdir()}
+    assert {"run.json", "tensors-0000001.safetensors"} <= names
+    assert names <= {"run.json", "tensors-0000001.safetensors", "tensors-0000002.safetensors", "lock"}
+    assert move(capsys, *train)[0] == 0 and checkpoint.read(policy).finished  # once there is room
 
 
 @pytest.mark.parametrize("output, code", [(">/dev/full", 2), (">&-", 0), ("| true", 1)])

@@ -15,15 +15,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import torch
-from pydantic import (
-    BaseModel,
-    ConfigDict,
-    Field,
-    NonNegativeFloat,
-    NonNegativeInt,
-    PositiveInt,
-    ValidationError,
-)
+from pydantic import BaseModel, ConfigDict, Field, NonNegativeFloat, NonNegativeInt, PositiveInt
 from safetensors import SafetensorError
 from safetensors.torch import load_file, save_file
 from torch import Tensor
@@ -32,6 +24,7 @@ from move.errors import BadInput
 from move.files import put_away_all_remains, written_aside
 from move.learn.diffusion import DiffusionPolicy
 from move.learn.settings import Training
+from move.validation import reason_of
 
 FORMAT = 1
 
@@ -138,14 +131,7 @@ def read(folder: Path, device: str = "cpu") -> Checkpoint | None:
         _check(checkpoint)
         return checkpoint
     except (OSError, ValueError, TypeError, OverflowError, RuntimeError, SafetensorError) as error:
-        raise UnusableCheckpoint(f"cannot read the checkpoint in {folder}: {_reason(error)}") from error
-
-
-def _reason(error: Exception) -> str:
-    if isinstance(error, ValidationError):  # what was given may be anything, and is not repeated
-        first = error.errors()[0]
-        return f"{'.'.join(map(str, first['loc'])) or 'run.json'}: {first['msg']}"
-    return " ".join(str(error).split())[:200]
+        raise UnusableCheckpoint(f"cannot read the checkpoint in {folder}: {reason_of(error, 'run.json')}") from error
 
 
 def _check(checkpoint: Checkpoint) -> None:

@@ -16,14 +16,13 @@ from pathlib import Path
 from typing import Any
 
 import pandas as pd
-from pydantic import ValidationError
 
 from move.errors import BadInput
 from move.files import written_aside
 from move.study.labels import Label
 from move.study.spec import RunSpec, run_spec_from_json
 from move.study.stored import refuse_other_content
-from move.validation import first_problem
+from move.validation import reason_of
 
 NOT_COMPUTED = "not computed yet"
 LARGEST = 50_000_000  # bytes of a result's file; real ones have some ten thousand
@@ -108,17 +107,6 @@ def read_content(path: Path) -> dict[str, Any]:
     if content.pop("digest", None) != _digest(content):
         raise ValueError("its content does not fit its digest")
     return content
-
-
-def reason_of(error: Exception) -> str:
-    """Why a file could not be read, in one short line."""
-    if isinstance(error, ValidationError):
-        return first_problem(error)[:200]
-    if isinstance(error, RecursionError):
-        return "it is nested too deeply"
-    if isinstance(error, KeyError):
-        return f"it has no {error}"
-    return " ".join(str(error).split())[:200]
 
 
 def set_aside(spec: RunSpec, folder: Path) -> Path | None:

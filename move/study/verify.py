@@ -18,8 +18,9 @@ from move.errors import BadInput
 from move.intervals import wilson_interval
 from move.study import run as running
 from move.study.execute import PART_SHARE
-from move.study.results import NOT_COMPUTED, Result, load, read_content, reason_of, split
+from move.study.results import NOT_COMPUTED, Result, load, read_content, split
 from move.study.spec import PolicyRun, RunSpec, run_spec_from_json
+from move.validation import reason_of
 
 LIKE = ("processor", "accelerator", "gl_renderer")  # of the provenance: where these differ, so may single episodes
 
