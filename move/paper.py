@@ -1,7 +1,7 @@
 """The paper's own numbers, as data (arXiv 2512.04813); nothing here was computed by this package.
 
 `PAPER` holds every printed value of every figure and table, one a row. Figures 6 and 7 print none: their curves are
-pictures alone. Of figure 4 only the pairs of sizes are printed that are said to do equally well.
+drawn only. Of figure 4 only the pairs of sizes are printed that are said to do equally well.
 """
 
 from __future__ import annotations

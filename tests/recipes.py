@@ -17,10 +17,10 @@ def keypoints(**changes: Any) -> Training:
 
 
 def image_laptop(**changes: Any) -> Training:
-    """The laptop profile's recipe for pictures."""
+    """The laptop profile's recipe for images."""
     return recipe("laptop", "rgb", **changes)
 
 
 def paper(**changes: Any) -> Training:
-    """The paper's recipe for pictures."""
+    """The paper's recipe for images."""
     return recipe("paper", "rgb", **changes)

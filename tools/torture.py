@@ -26,6 +26,7 @@ import psutil
 
 SOURCE = Path(__file__).resolve().parent.parent
 TARGETS = ("command", "group", "worker")
+EARLY = 0.6  # of the undisturbed time: later a resumed command has often ended already
 CONTENT = ("spec", "rows", "collection")  # of a result, what a repetition has to give again
 PROFILE = """
 purpose: tortured
@@ -99,7 +100,7 @@ def outlived(workers: list[psutil.Process], seconds: float = 3.0) -> list[int]:
 
 def torture(grid: Grid, expected: dict[str, object], kills: int, chance: random.Random, seconds: float,
             counts: Counter[str]) -> None:
-    """Kill so often, each time up to `seconds` after a start, go on until every begun grid is whole, and count."""
+    """Kill so often, each within EARLY of `seconds` of a start, go on until every begun grid is whole, and count."""
     while sum(counts[target] for target in TARGETS) < kills or counts["rounds"] == 0:
         grid.clear()
         while not _goes_on_to_its_end(grid, kills, chance, seconds, counts):
@@ -116,7 +117,7 @@ def _goes_on_to_its_end(grid: Grid, kills: int, chance: random.Random, seconds: 
     command, target = grid.start(), chance.choice(TARGETS)
     if sum(counts[name] for name in TARGETS) < kills:
         with suppress(psutil.TimeoutExpired):
-            command.wait(chance.uniform(0, seconds))
+            command.wait(chance.uniform(0, EARLY * seconds))
         workers = _children(command)
         if kill(command, target, chance):
             counts[target] += 1

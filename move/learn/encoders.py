@@ -36,7 +36,7 @@ class SpatialSoftmax(nn.Module):
     """Where in a feature map each of `points` learned keypoints lies.
 
     (N, channels, H, W) -> (N, 2 * points) float32: x, then y, in [-1, 1] of each keypoint's centre of mass. `gain`
-    multiplies the first weights: at 1 every keypoint starts spread over the whole picture, and learns slowly. All of it
+    multiplies the first weights: at 1 every keypoint starts spread over the whole image, and learns slowly. All of it
     stays in channels-last order, in which the convolutions before it work; a change of order costs more than they do.
     """
 

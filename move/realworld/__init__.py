@@ -11,7 +11,7 @@ frames.py    camera frames, decoded when asked for
 trials.py    what thirty trials can show: exact intervals, tests, power, possible scores
 scoring.py   a laboratory's own scoring sheet
 workspace.py what the demonstrations cover
-tracking.py  where the orange is in the pictures
+tracking.py  where the orange is in the images
 checks.py    what was checked, and how it came out
 piper.py     the arm's limits and kinematics
 lerobot_files.py  columns as LeRobot keeps them

@@ -27,7 +27,7 @@ class MovingScene(gymnasium.Wrapper):
         method: "move" (equations 1 to 3), "adc" (object and target jump) or "static" (nothing moves).
         factors: what a reset draws, and of it what moves: a key of `move.sim.tasks.FACTORS`.
         observation: "keypoints" or "rgb".
-        image_size: pixels along each side of a picture.
+        image_size: pixels along each side of an image.
         render_mode: None or "rgb_array".
         moving: which of "object", "rotation", "target" and "camera" move; by default all that can.
         object_speed: metres per step, as `target_speed`.

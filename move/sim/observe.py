@@ -1,7 +1,7 @@
-"""What a policy sees: keypoints in the camera's frame, or an RGB picture rendered in software.
+"""What a policy sees: keypoints in the camera's frame, or an RGB image rendered in software.
 
-Pictures use the fast settings: no shadows, reflections, skybox or multisampling, and an offscreen buffer no larger
-than the picture. Without a GL library keypoints still work; `move.machine.gl_problem` says what is missing.
+Images use the fast settings: no shadows, reflections, skybox or multisampling, and an offscreen buffer no larger
+than the image. Without a GL library keypoints still work; `move.machine.gl_problem` says what is missing.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ def keypoints(world_points: np.ndarray, camera_angle: float) -> np.ndarray:
 
 
 class Renderer:
-    """Renders square RGB pictures of any scene that shares one compiled model.
+    """Renders square RGB images of any scene that shares one compiled model.
 
     Raises:
         BadInput: no GL library can be used, or the process was forked from one that drew.
@@ -94,7 +94,7 @@ class Renderer:
         self._camera.elevation = -math.degrees(math.atan2(camera.HEIGHT, camera.RADIUS))
 
     def render(self, data, camera_angle: float) -> np.ndarray:
-        """The picture seen from `camera_angle` (radians), shape (size, size, 3), uint8."""
+        """The image seen from `camera_angle` (radians), shape (size, size, 3), uint8."""
         _check_process()
         self._camera.azimuth = math.degrees(camera_angle) + 180.0
         self._renderer.update_scene(data, camera=self._camera)
@@ -104,5 +104,5 @@ class Renderer:
 def _check_process() -> None:
     """Refuse to draw in a fork of a process that drew: GL's threads are not in it, and it would wait for ever."""
     if Renderer.opened_in != os.getpid():
-        raise BadInput("pictures were drawn before this process was forked; allowed is to spawn it (context='spawn') "
+        raise BadInput("images were drawn before this process was forked; allowed is to spawn it (context='spawn') "
                        "or to draw nothing before")

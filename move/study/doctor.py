@@ -32,7 +32,7 @@ def _gl() -> Check:
     except Exception as error:  # whatever a GL driver raises: it cannot draw
         return _check("GL", "slow", f"cannot draw: {error}", "apt-get install libegl1 libgl1-mesa-dri")
     if "llvmpipe" in renderer:
-        return _check("GL", "fine", f"{renderer}: draws in software, 4-5 ms a picture, which is enough")
+        return _check("GL", "fine", f"{renderer}: draws in software, 4-5 ms an image, which is enough")
     return _check("GL", "fine", renderer)
 
 

@@ -27,9 +27,9 @@ class Profile(BaseModel):
     model_config = ConfigDict(frozen=True, strict=True, extra="forbid")
 
     name: str = Field(default="", description="the file's, without its ending")
-    purpose: str = Field(description="one sentence that every picture of the profile carries")
+    purpose: str = Field(description="one sentence that every figure of the profile carries")
     stamp: str = Field(
-        default="", description="written across every picture of a profile that proves nothing, whose results stay out "
+        default="", description="written across every figure of a profile that proves nothing, whose results stay out "
         "of git"
     )
     shipped: bool = Field(default=False, description="whether its figures and tables are those in git")

@@ -27,7 +27,7 @@ def commit() -> str:
 
 
 def provenance(draws: bool) -> dict:
-    """What is stored with a result; `draws` says whether pictures were drawn."""
+    """What is stored with a result; `draws` says whether images were drawn."""
     return {
         "versions": {name: version(name) for name in PACKAGES},
         "python": platform.python_version(),

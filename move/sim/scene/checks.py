@@ -27,7 +27,7 @@ def one_of(what: str, given: Any, allowed: Collection[Any]) -> None:
 
 
 def picture_side(pixels: int) -> int:
-    """A number of pixels along the side of a picture.
+    """A number of pixels along the side of an image.
 
     Raises:
         BadInput: no whole number, or one that is no size.

@@ -48,7 +48,7 @@ class Scene(Readable, gymnasium.Env):
 
     Actions are four numbers in [-1, 1]: three displacements of the hand's goal (1 = 0.01 m) and the gripper's
     command; where the task turns the gripper a fifth: the change of its goal's yaw (1 = 6 degrees, at most 100 to each
-    side). An observation is the keypoint vector (float32, metres, camera frame) or an RGB picture (uint8). The reward
+    side). An observation is the keypoint vector (float32, metres, camera frame) or an RGB image (uint8). The reward
     is 1 on a successful step. `info` holds "success" and "phase" ("pick", from the grasp on "place"), and
     "strict_success" where the task has such a condition. The episode limit is left to Gymnasium's TimeLimit and to the
     loops of this package. A scene can be pickled and copied, also within an episode.
@@ -56,7 +56,7 @@ class Scene(Readable, gymnasium.Env):
     Args:
         task: a name in `move.sim.tasks.TASKS`.
         observation: "keypoints" or "rgb".
-        image_size: pixels along each side of a picture.
+        image_size: pixels along each side of an image.
         render_mode: None or "rgb_array".
         factors: what a reset draws unless its options say otherwise: a key of `move.sim.tasks.FACTORS`.
 
@@ -84,7 +84,7 @@ class Scene(Readable, gymnasium.Env):
 
     def _observation_space(self) -> BoxSpace:
         if self.observation == "rgb":
-            if problem := gl_problem():  # GL itself is opened by the first picture: a process may be forked before
+            if problem := gl_problem():  # GL itself is opened by the first image: a process may be forked before
                 raise BadInput(problem)
             return BoxSpace(0, 255, (self.image_size, self.image_size, 3), np.uint8)
         return BoxSpace(-np.inf, np.inf, (3 * len(self._keypoint_names),), np.float32)
@@ -259,11 +259,11 @@ class Scene(Readable, gymnasium.Env):
         return keypoints(world, self._configuration.camera_angle)
 
     def observe(self) -> np.ndarray:
-        """The observation of the present state: keypoints or picture."""
+        """The observation of the present state: keypoints or image."""
         return self.render_image(self.image_size) if self.observation == "rgb" else self.keypoints()
 
     def render_image(self, size: int) -> np.ndarray:
-        """The camera's picture, shape (size, size, 3), uint8."""
+        """The camera's image, shape (size, size, 3), uint8."""
         self._load_state()
         mujoco.mj_camlight(self._model, self._data)
         return self._world.renderer(size).render(self._data, self._configuration.camera_angle)
@@ -274,7 +274,7 @@ class Scene(Readable, gymnasium.Env):
         return self.observe()
 
     def render(self) -> np.ndarray | None:
-        """The picture that Gymnasium's render mode asks for, or None."""
+        """The image that Gymnasium's render mode asks for, or None."""
         return self.render_image(self.image_size) if self.render_mode == "rgb_array" else None
 
     # keeping -------------------------------------------------------------------------------------------------------

@@ -40,7 +40,7 @@ class World:
         self._renderers: dict[int, Renderer] = {}
 
     def renderer(self, size: int) -> Renderer:
-        """The renderer for pictures of `size` pixels, made once."""
+        """The renderer for images of `size` pixels, made once."""
         if size not in self._renderers:
             self._renderers[size] = Renderer(self.model, size)
         return self._renderers[size]

@@ -1,8 +1,8 @@
 """Which runs make which figure: one registered function a figure, from a profile and its parameters to labelled runs.
 
 preliminary.py  figures 1, 3 and 5, table 1: Pick-Place, static and MOVE
-main.py         table 2, and the same policies at their own grasps and as pictures
-ablations.py    the recipe for pictures, one change at a time; how long one trains; how ADC jumps
+main.py         table 2, and the same policies at their own grasps and as images
+ablations.py    the recipe for images, one change at a time; how long one trains; how ADC jumps
 controls.py     from keypoints; what a demonstration costs
 scaling.py      figure 4: success against timesteps
 dimensions.py   figures 6 and 7: what moves, and how fast

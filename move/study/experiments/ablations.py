@@ -1,4 +1,4 @@
-"""What was chosen against what else could have been: the recipe for pictures, its length, and how ADC jumps."""
+"""What was chosen against what else could have been: the recipe for images, its length, and how ADC jumps."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ RECIPE_CHANGES: dict[str, dict[str, Any]] = {
     "learning rate 1e-3": {"learning_rate": 1e-3},
     "learning rate 3e-3": {"learning_rate": 3e-3},
 }
-"""What the recipe for pictures was measured against: one change at a time."""
+"""What the recipe for images was measured against: one change at a time."""
 
 
 @experiment
@@ -31,7 +31,7 @@ def table_recipe(
     profile: Profile, timesteps: tuple[Count, ...] = (7000, 20_000), episodes: Count = 60,
     lengths: tuple[Multiple, ...] = (2 / 3, 3),
 ) -> list[LabelledRun]:
-    """The recipe for pictures with one change at a time: static alone, at the configurations that it learnt from.
+    """The recipe for images with one change at a time: static alone, at the configurations that it learnt from.
 
     The last runs of each budget train for the recipe's gradient steps times each of `lengths`; the label `change` says
     what is other. Nothing here compares methods. A profile whose policy is not the small CNN has no `timesteps` for it.

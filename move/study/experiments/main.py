@@ -1,4 +1,4 @@
-"""Every task by the paper's three methods (table 2), and the same policies elsewhere and as pictures."""
+"""Every task by the paper's three methods (table 2), and the same policies elsewhere and as films."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def rollouts(
     profile: Profile, observation: Observation = "rgb", task: str = "pick-place", timesteps: Count = 20_000,
     episodes: Count = 100,
 ) -> list[LabelledRun]:
-    """The first seed's policies of table 2 on one task, whose episodes are shown as pictures."""
+    """The first seed's policies of table 2 on one task, whose episodes are shown as films."""
     base = partial(policy_run, profile, task=task, seed=0, observation=observation, timesteps=timesteps,
                    episodes=episodes)
     return grid(base, method=PAPER_METHODS)
