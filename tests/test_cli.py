@@ -51,6 +51,14 @@ def test_collect_train_evaluate_by_hand(capsys, tmp_path):
     assert move(capsys, "train", data, policy, "--profile", "smoke", "--json")[0] == 0  # goes on from what it holds
 
 
+def test_a_policy_is_evaluated_on_the_task_that_it_learnt(capsys, tmp_path):
+    data, policy = str(tmp_path / "data.zarr"), str(tmp_path / "policy")
+    move(capsys, "collect", "--task", "push", "--timesteps", "100", "--out", data)
+    move(capsys, "train", data, policy, "--profile", "smoke", "--gradient-steps", "2")
+    code, out, _ = move(capsys, "evaluate", policy, "--episodes", "1", "--json")
+    assert code == 0 and json.loads(out)["task"] == "push"
+
+
 def test_a_data_set_is_replaced_only_when_told_to(capsys, tmp_path):
     data = tmp_path / "data.zarr"
     collect = ("collect", "--timesteps", "50", "--out", str(data), "--json")

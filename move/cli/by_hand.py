@@ -11,7 +11,7 @@ from typing import Annotated, Literal, Optional
 import typer
 
 from move.choices import Control, ExpertName, ExportFormat, Factors, Method, Protocol
-from move.cli.options import ClipActions, Json, ProfileName, Seed, Task, app, examples
+from move.cli.options import ClipActions, Json, ProfileName, Seed, Task, TaskName, app, examples
 from move.cli.output import progress, show
 from move.errors import BadInput
 from move.files import refuse_unwritable
@@ -159,7 +159,7 @@ def _refuse_other_content(folder: Path) -> None:
 def evaluate(
     checkpoint: Annotated[Optional[Path], typer.Argument(help="folder that `move train` wrote")] = None,
     agent: Annotated[Literal["policy", Control], typer.Option(help="who acts")] = "policy",
-    task: Task = "pick-place",
+    task: Annotated[Optional[TaskName], typer.Option(help="the task (the policy's, else pick-place)")] = None,
     starts: Annotated[Literal["random", "moving", "grid"], typer.Option(help="where its episodes begin")] = "random",
     episodes: Annotated[Optional[int], typer.Option(help="how many, unless starts are a grid (100)")] = None,
     factors: Annotated[Optional[Factors], typer.Option(help="what is random, unless starts are a grid (all)")] = None,
@@ -184,7 +184,7 @@ def evaluate(
     from move.intervals import wilson_interval
     from move.learn import agents
     from move.learn import evaluate as evaluating
-    from move.learn.checkpoint import load_policy
+    from move.learn.checkpoint import learnt_task, load_policy
     from move.machine import one_thread
     from move.sim.observe import KEYPOINTS
     from move.sim.tasks import get_task
@@ -201,10 +201,12 @@ def evaluate(
             served = stack.enter_context(LeRobotAgent(lerobot, lerobot_python or PYTHON, seed))
             who, seen = served, served.observation
         elif checkpoint is not None:
-            policy = load_policy(checkpoint, task=task)
+            task = task or learnt_task(checkpoint)
+            policy = load_policy(checkpoint, task=task or "")
             who, seen = agents.PolicyAgent(policy, seed), policy.observation
         else:
             who = agents.CONTROLS[agent](seed)
+        task = task or "pick-place"
         report = stack.enter_context(progress("evaluate"))
         rows = evaluating.evaluate(who, get_task(task), plan, seen, report)
     rate = float(np.mean([row["success"] for row in rows]))

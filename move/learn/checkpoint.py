@@ -165,14 +165,24 @@ def _shapes(checkpoint: Checkpoint) -> dict[str, tuple[int, ...]]:
     return shapes
 
 
+def _existing(folder: Path, device: str = "cpu") -> Checkpoint:
+    checkpoint = read(folder, device)
+    if checkpoint is None:
+        raise BadInput(f"no checkpoint in {folder}")
+    return checkpoint
+
+
+def learnt_task(folder: Path) -> str:
+    """The task that the policy in a checkpoint learnt, "" where it does not say; BadInput as for `load_policy`."""
+    return _existing(folder).task
+
+
 def load_policy(folder: Path, device: str = "cpu", task: str = "") -> DiffusionPolicy:
     """The policy with averaged weights from a checkpoint, finished or not.
 
     Raises BadInput if the folder holds none, a damaged one, or one that says that it learnt another task than `task`.
     """
-    checkpoint = read(folder, device)
-    if checkpoint is None:
-        raise BadInput(f"no checkpoint in {folder}")
+    checkpoint = _existing(folder, device)
     if task and checkpoint.task not in ("", task):
         raise BadInput(f"task: {task!r} given; the policy in {folder} learnt {checkpoint.task!r}, and is allowed there")
     return policy_of(checkpoint, device)
