@@ -84,12 +84,14 @@ def test_a_worker_that_is_killed_in_the_middle_loses_and_doubles_nothing(tmp_pat
 @contextlib.contextmanager
 def interrupted(seconds: float):
     """Ctrl-C after so many seconds; it has to end the block within three more."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell has it ignored in the background
     timer = threading.Timer(seconds, os.kill, (os.getpid(), signal.SIGINT))
     timer.start()
     started = time.monotonic()
     with pytest.raises(KeyboardInterrupt):
         yield
     timer.cancel()
+    signal.signal(signal.SIGINT, before)
     assert seconds <= time.monotonic() - started < seconds + 3
 
 

@@ -1,7 +1,7 @@
-"""What stands under every picture and over every table, in one place: title, caption, alternative text, LaTeX label.
+"""What stands under every figure and over every table, in one place: title, caption, alternative text, LaTeX label.
 
 The words say what is drawn and what the marks are; the numbers (how many runs, seeds and episodes) are counted from the
-results by `numbers`, and what came out is a sentence that the notebook computes. The files of a picture, its caption
+results by `numbers`, and what came out is a sentence that the notebook computes. The files of a figure, its caption
 beside them, and the LaTeX tables all take their words from here.
 """
 
@@ -20,7 +20,7 @@ LONGEST_ALTERNATIVE = 400  # letters of what came out
 
 
 class Words(NamedTuple):
-    """Of one picture: its title, what is drawn with which marks, and what kind of picture it is, for who sees none."""
+    """Of one figure: its title, what is drawn with which marks, and what kind of figure it is, for who sees none."""
 
     title: str
     shown: str
@@ -29,7 +29,7 @@ class Words(NamedTuple):
 
 @dataclass(frozen=True)
 class Caption:
-    """A picture's words: title, caption (what is shown, counted numbers), what came out, and the alternative text."""
+    """A figure's words: title, caption (what is shown, counted numbers), what came out, and the alternative text."""
 
     title: str
     text: str
@@ -37,7 +37,7 @@ class Caption:
     alt: str
 
     def markdown(self) -> str:
-        """The caption as the file beside the picture; `read` reads it back."""
+        """The caption as the file beside the figure; `read` reads it back."""
         return f"# {self.title}\n\n{self.text}\n\n**What came out.** {self.found}\n\n**Alternative text.** {self.alt}\n"
 
 
@@ -57,13 +57,13 @@ def read(path: Path) -> Caption:
 
 
 def caption(name: str, source: str = "", found: str = "") -> Caption:
-    """The words of picture `name`, with where its numbers come from and what came out.
+    """The words of figure `name`, with where its numbers come from and what came out.
 
     Raises:
-        BadInput: a picture that has no words here.
+        BadInput: a figure that has no words here.
     """
     if name not in FIGURES:
-        raise BadInput(f"picture: {name!r} given; allowed are those with words in move/report/captions.py: "
+        raise BadInput(f"figure: {name!r} given; allowed are those with words in move/report/captions.py: "
                        f"{', '.join(FIGURES)}")
     words, found = FIGURES[name], _sentence(found) or "Nothing was computed."
     return Caption(words.title, f"{words.shown} {_sentence(source)}".strip(), found, f"{words.alt} {_brief(found)}")
@@ -169,7 +169,7 @@ def _span(counts: Iterable[int], what: str) -> str:
 _INTERVALS = ("Error bars are 95 % intervals that know how trainings and configurations differ; with fewer than three "
               "seeds the noise of trainings is pooled over cells that have more.")
 _MAPS = ("seen from above: a cell is one place of the object, its colour the number of seeds whose policy succeeds "
-         "there; the robot's base is below the picture, at x = 0, y = 0.")
+         "there; the robot's base is below the map, at x = 0, y = 0.")
 
 FIGURES = {
     "claims": Words(
@@ -193,7 +193,7 @@ FIGURES = {
         "is the share of a 10 x 10 grid's cells visited. ADC (adversarial data collection) makes object and target "
         "jump. (g to i) Frames of demonstrations in which one thing alone moves; the number is the timestep. The "
         "titles say how much faster than in the data sets.",
-        "Six scatter plots of places and three strips of camera pictures of a robot arm."),
+        "Six scatter plots of places and three strips of camera images of a robot arm."),
     "fig3_dense": Words(
         "Figure 3. Grasp points everywhere",
         f"(a, b) Static and MOVE, {_MAPS} Small dots are where the demonstrations of all seeds grasped. (c) Success "
@@ -241,7 +241,7 @@ FIGURES = {
         "black square is the arm's base, y grows to the left as seen by the arm. Right: the cells of 5 cm that it "
         "passed through, up to as many timesteps for each method. Below: frames of one demonstration of each method, "
         "each at its own times; orange: the object, blue: the tray it is put on, black: the fingers.",
-        "Half discs with trajectories and visited cells, and two strips of pictures from above."),
+        "Half discs with trajectories and visited cells, and two strips of images from above."),
     "fig_mixture": Words(
         "How much of the data has to move?",
         f"Success on Pick-Place against the share of the timesteps that MOVE collected, the rest being static. "
@@ -280,7 +280,7 @@ FIGURES = {
         "Evaluation episodes drawn at random, for each method until one has succeeded and one has failed; red: the "
         "object, blue: the target. The number on a frame is its timestep. An episode ends ten steps after its first "
         "success, or after 200; one successful step makes it a success.",
-        "Strips of camera pictures of a robot arm, one a shown episode."),
+        "Strips of camera images of a robot arm, one a shown episode."),
     "statistics": Words(
         "What can a success rate say?",
         "Simulated studies of 100 configurations. (a) How often nominal 95 % intervals hold the true rate; the grey "
@@ -323,7 +323,7 @@ FIGURES = {
         f"lines an expert that is told a wrong goal. {_INTERVALS}",
         "Points with intervals for ten tasks and three methods."),
     "table_recipe": Words(
-        "The laptop's recipe for pictures, and what each part of it is worth",
+        "The laptop's recipe for images, and what each part of it is worth",
         "Static alone, one training a line, tried at configurations that its own demonstrations began with. Left of "
         "each pair: success; right: success minus the chosen recipe's, paired, with the minutes of training. Error "
         "bars are 95 % intervals that know about the episodes alone.",
@@ -371,6 +371,7 @@ TABLES = {
     "fig_training_length": f"Length of training. {_RATES}",
     "fig_training_length_depends": "MOVE minus static at the longest training, minus the same at the shortest; in "
                                    "points, with 95 % intervals.",
+    "fig_training_length_gaps": f"At each length of training. {_GAPS}",
     "fig_coverage": f"Success, and shares of cells that the data visit in their first timesteps. {_RATES}",
     "fig_perception": f"Figures 1, 3 and 5 and table 1, from pixels and from keypoints. {_RATES}",
     "fig_perception_gaps_rgb": f"Figures 1, 3 and 5 and table 1, from pixels. {_GAPS}",
@@ -381,6 +382,7 @@ TABLES = {
     "generalization_gaps": f"In motion. {_GAPS}",
     "keypoint_control": f"From keypoints: Pick-Place, perception given. {_RATES}",
     "keypoint_control_gaps": f"From keypoints: Pick-Place, perception given. {_GAPS}",
+    "keypoint_control_gaps_mean": f"From keypoints: Pick-Place, mean of the budgets. {_GAPS}",
     "rollouts": "The episodes shown, how they ended here and in the evaluation.",
     "statistics": "Simulated studies: share in per cent of nominal 95 % intervals that hold the true rate, and half "
                   "their width in points.",
@@ -408,9 +410,16 @@ TABLES = {
     "table6_collection_kept": "Share of random configurations that a task's reach and clearance filter keeps.",
     "table_adc": f"Three readings of ADC. {_RATES}",
     "table_adc_means": "Three readings of ADC: means over the tasks.",
+    "table_adc_gaps": "Readings of ADC minus the one as printed, means over the tasks that have both; in points, with "
+                      "95 % intervals.",
     "table_keypoint_control": "From keypoints, perception given: success in per cent with 95 % intervals, the expert "
                               "(ceiling) and an expert that is told a wrong goal (floor).",
+    "table_keypoint_control_gaps": f"From keypoints. {_GAPS}",
+    "table_keypoint_control_gaps_mean": f"From keypoints, mean of the tasks. {_GAPS}",
+    "table_keypoint_control_over_tasks": "From keypoints with the task as the unit: means and interquartile means in "
+                                         "points and per cent, and the probability that MOVE is better on a task, in "
+                                         "per cent.",
     "table_keypoint_control_larger": f"From keypoints, perception given, at the larger budget. {_RATES}",
-    "table_recipe": "The recipe for pictures with one change at a time: minutes and loss of training, success in per "
+    "table_recipe": "The recipe for images with one change at a time: minutes and loss of training, success in per "
                     "cent at its own configurations, and the gain over the chosen recipe in points.",
 }

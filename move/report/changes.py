@@ -38,7 +38,7 @@ SHOWN: dict[str, dict[str, Any]] = {
 
 NOTEBOOK_OF = {"fig4_efficiency": "fig4_scaling", "table3_real": "table3_real_robot",
                "fig8_real_setup": "table3_real_robot", "fig8_object_places": "table3_real_robot"}
-"""The notebook of each picture that is not called as its notebook is."""
+"""The notebook of each figure that is not called as its notebook is."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ class Change:
         return bool(self.parameters or self.runs)
 
     def __str__(self) -> str:
-        """What a reader of the picture must know."""
+        """What a reader of the figure must know."""
         told = ", ".join(f"{name} {_spoken(value)} ({_spoken(own)})" for name, (value, own) in self.parameters.items())
         return f"Not the shipped figure: {told or 'other runs'}" if self else ""
 
@@ -81,7 +81,7 @@ def own_parameters(notebook: str, profile: Profile) -> dict[str, Any]:
 
 def change(name: str, profile: Profile, given: Mapping[str, Any] | None = None,
            runs: Iterable[RunSpec] | None = None) -> Change:
-    """What is changed in the notebook of picture or notebook `name`.
+    """What is changed in the notebook of figure or notebook `name`.
 
     Args:
         given: its parameters; those in the kernel if left out.

@@ -41,6 +41,12 @@ def gap_table(episodes: pd.DataFrame, by: str, others: tuple[str, ...] = ("stati
     return table.sort_values(by, key=lambda values: values.map(order), kind="stable", ignore_index=True)
 
 
+def gaps_at(episodes: pd.DataFrame, at: str, by: str, others: tuple[str, ...] = ("static", "adc")) -> pd.DataFrame:
+    """A `gap_table` for each value of column `at` by itself, one below the other."""
+    return pd.concat([gap_table(rows, by, others).assign(**{at: value}) for value, rows in episodes.groupby(at)],
+                     ignore_index=True)
+
+
 def gap_means(episodes: pd.DataFrame, by: str, others: tuple[str, ...] = ("static", "adc"),
               known: TrainingNoise = UNKNOWN) -> pd.DataFrame:
     """The mean over the values of `by` of MOVE minus each other method: other trainings and configurations of these.
@@ -88,6 +94,13 @@ def reading_gap(episodes: pd.DataFrame, column: str, one: str, other: str) -> pd
         cells = {name: successes(part) for name, part in group.groupby(column)}
         pairs += [(cells[one], cells[other])] if {one, other} <= set(cells) else []
     return pd.Series(_mean(pairs, noise) if pairs else {}, dtype=object)
+
+
+def reading_gaps(episodes: pd.DataFrame, by: str, column: str, other: str, ones: list[str]) -> pd.DataFrame:
+    """`reading_gap` of each of the variants `ones` against `other` for each value of `by`, one row where both are."""
+    rows = [{by: value, column: one, "baseline": other, **found} for value, part in episodes.groupby(by, sort=False)
+            for one in ones if len(found := reading_gap(part, column, one, other))]
+    return pd.DataFrame(rows, columns=[by, column, "baseline", "items", "gap", "low", "high", "p", "holm", "trainings"])
 
 
 def length_matters(episodes: pd.DataFrame) -> pd.DataFrame:

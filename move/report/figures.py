@@ -99,12 +99,12 @@ def fig2_overview(seen: Mapping[str, pd.DataFrame], shares: pd.DataFrame, ranges
             texts.append(f"{NAMES[method]}, {part}: {100 * share.loc[method, part]:.0f} % of cells")
             ax.set_xlabel("x (cm)" if ax in panels[-1] else "")
             ax.set_ylabel(f"{part} y (cm)" if method == methods[0] else "")
-    pictures = bottom.subplots(max(1, len(strips)), 1, squeeze=False)[:, 0]
-    for ax, (frames, steps) in zip(pictures, strips.values(), strict=False):
+    strip_axes = bottom.subplots(max(1, len(strips)), 1, squeeze=False)[:, 0]
+    for ax, (frames, steps) in zip(strip_axes, strips.values(), strict=False):
         maps.strip(frames, [str(step) for step in steps], ax)
     if not strips:
-        _say(problem or "no pictures", pictures[0])
-    titles([*panels.flat, *pictures], [*texts, *(strips or [""])])
+        _say(problem or "no images", strip_axes[0])
+    titles([*panels.flat, *strip_axes], [*texts, *(strips or [""])])
     return figure
 
 

@@ -28,14 +28,14 @@ SEEN = {
     "window-open": "white handle: object", "faucet-open": "red handle: object",
     "disassemble": "green handle: object, on a red peg", "basketball": "ball: object, ring: target",
 }
-"""What is what in the pictures of a task."""
+"""What is what in the images of a task."""
 
 
 def demonstration_frames(collection: Collection, seed: int) -> np.ndarray:
-    """The pictures of the first successful demonstration, shape (timesteps, size, size, 3), uint8.
+    """The images of the first successful demonstration, shape (timesteps, size, size, 3), uint8.
 
     Raises:
-        BadInput: pictures cannot be drawn on this machine.
+        BadInput: images cannot be drawn on this machine.
     """
     return np.stack(next(episode.observations for episode in attempts(collection, seed) if episode.succeeded))
 
@@ -44,7 +44,7 @@ def episode_frames(policy: DiffusionPolicy, spec: PolicyRun, number: int, image_
     """Play one evaluation episode of a run again: its row, and every timestep as (steps, size, size, 3) uint8.
 
     Raises:
-        BadInput: pictures cannot be drawn on this machine.
+        BadInput: images cannot be drawn on this machine.
     """
     frames: list[np.ndarray] = []
     (row,) = evaluate(
@@ -98,7 +98,7 @@ def strip(frames: np.ndarray, count: int) -> tuple[np.ndarray, list[int]]:
 
 
 def titled(frames: np.ndarray, title: str, task: str, outcome: str = "") -> np.ndarray:
-    """Frames over a band that says whose they are, the timestep, the outcome, and what is what in the picture.
+    """Frames over a band that says whose they are, the timestep, the outcome, and what is what in the image.
 
     Args:
         frames: (timesteps, size, size, 3) uint8.

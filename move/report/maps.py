@@ -1,4 +1,4 @@
-"""Pictures of places and of frames: data and an Axes in, marks on the Axes out; nothing is read from disk.
+"""Maps of places, and frames in a row: data and an Axes in, marks on the Axes out; nothing is read from disk.
 
 heatmap, seeds_bar   success over the object's place, and the colour bar of it
 grasps, circle       what lies over such a map

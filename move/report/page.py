@@ -1,4 +1,4 @@
-"""What every notebook does around its picture: load or compute runs, say where numbers come from, write files."""
+"""What every notebook does around its figure: load or compute runs, say where numbers come from, write files."""
 
 from __future__ import annotations
 
@@ -37,21 +37,26 @@ class Loaded:
     missing: list[tuple[RunSpec, str]]
 
     @property
+    def counted(self) -> list[Result]:
+        """The results, each once: a run may stand in several conditions of a figure, with other labels."""
+        return list({result.spec.hash: result for result in self.results}.values())
+
+    @property
     def source(self) -> str:
         """Observation, budgets, seeds, episodes, runs, what is missing and the profile's purpose, in sentences."""
-        said = captions.numbers(self.results, len(self.missing), self.profile.purpose)
+        said = captions.numbers(self.counted, len(self.missing), self.profile.purpose)
         return f"{said} Missing: {missing_in_words(self.missing)}." if self.missing else said
 
     @property
     def behind(self) -> str:
         """How much stands behind an answer: seeds, episodes, and what is missing."""
-        return captions.behind(self.results, len(self.missing))
+        return captions.behind(self.counted, len(self.missing))
 
     @property
     def remark(self) -> str:
-        """What a reader of the picture alone must not miss: that perception was given, and how much is missing."""
+        """What a reader of the figure alone must not miss: that perception was given, and how much is missing."""
         trained = [result.spec for result in self.results if result.spec.training]
-        wanted = len(self.results) + len(self.missing)
+        wanted = len(self.counted) + len(self.missing)
         given = bool(trained) and all(spec.observation == "keypoints" for spec in trained)
         parts = ["from keypoints: perception is given"] * given
         parts += [f"{len(self.missing)} of {wanted} runs are missing"] * bool(self.missing)
@@ -69,7 +74,7 @@ def load_or_run(runs: list[LabelledRun], profile: Profile) -> Loaded:
     if not runs:
         raise BadInput(f"profile {profile.name}: has no runs of this figure; allowed is another profile")
     style.use_style()
-    there, missing = _found([run.spec for run in runs], profile)
+    there, missing = _found(list(dict.fromkeys(run.spec for run in runs)), profile)
     if not there:
         raise BadInput(f"none of the {len(runs)} runs of this figure is stored; the first one: {missing[0][1]}")
     stored = {result.spec.hash: result for result in there}
@@ -130,7 +135,7 @@ def save_outputs_alone(name: str, figure: Figure | None, tables: dict[str, pd.Da
 
 
 def folder(name: str, profile: Profile) -> Path:
-    """Where the notebook of picture `name` writes whatever else it makes, such as films."""
+    """Where the notebook of figure `name` writes whatever else it makes, such as films."""
     return changes.change(name, profile).folder
 
 
@@ -139,11 +144,11 @@ def write(name: str, figure: Figure | None, tables: dict[str, pd.DataFrame], pro
           runs: Iterable[RunSpec] | None = None) -> None:
     """Write one figure and its tables, and say where; for notebooks with several of them.
 
-    What is not as the profile has it goes to a folder of its own, and the picture says how it differs.
+    What is not as the profile has it goes to a folder of its own, and the figure says how it differs.
 
     Args:
         source: where the numbers come from; part of the captions.
-        remark: one line in the picture itself.
+        remark: one line in the figure itself.
         found, layouts: as for `save_outputs`.
         runs: what it is drawn from, where that can differ from the profile's.
     """

@@ -77,7 +77,7 @@ def setup_figure(cells: pd.DataFrame, steps: pd.DataFrame, strips: Mapping[str, 
         cells: `workspace.coverage_by_method`.
         steps: `workspace.path_table`.
         strips: method -> frames (k, height, width, 3) and their titles; may be empty.
-        simulated: whether to say so on the picture.
+        simulated: whether to say so on the figure.
 
     Returns:
         A figure of two-column width.

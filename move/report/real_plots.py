@@ -1,4 +1,4 @@
-"""Pictures of the real-robot table and data: functions of tidy tables and an Axes that read no disk.
+"""Plots of the real-robot table and data: functions of tidy tables and an Axes that read no disk.
 
 success_cells   success of the four cells with exact intervals, beside each other
 score_cells     normalised scores, with the range that the successes alone leave open

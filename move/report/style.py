@@ -1,4 +1,4 @@
-"""How every picture looks: colours, sizes, panel letters, file formats, and what a copied picture must still say."""
+"""How every figure looks: colours, sizes, panel letters, file formats, and what a copied figure must still say."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ NAMES = {"static": "static", "adc": "ADC", "move": "MOVE", "mixture": "mixture",
          "random": "random actions", "expert": "expert", "goal-blind": "goal-blind expert", "unknown": "unknown"}
 COLUMN_WIDTH = 3.4  # inches, one column of a two-column page
 PAGE_WIDTH = 7.0  # inches
-LEAST_POINTS = 7.0  # no text in a picture is smaller
+LEAST_POINTS = 7.0  # no text in a figure is smaller
 LETTERS = "abcdefghijklmnopqrstuvwxyz"
 
 
@@ -67,7 +67,7 @@ def changed(figure: Figure, text: str) -> None:
 
 
 def stamp(figure: Figure, text: str, colour: str = "0.35", points: float = 24) -> None:
-    """Write `text` across the figure, behind its marks: what a reader must not overlook, also on a copied picture.
+    """Write `text` across the figure, behind its marks: what a reader must not overlook, also on a copied figure.
 
     Args:
         points: size of the letters on a figure of the page's width; they shrink with it.

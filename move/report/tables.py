@@ -235,7 +235,7 @@ def beside(rates: pd.DataFrame, controls: pd.DataFrame, means: pd.DataFrame | No
 
 
 def hyperparameters(profiles: list[Profile]) -> pd.DataFrame:
-    """Table 4: one row a hyperparameter, the profiles' recipes for pictures beside the paper's two columns.
+    """Table 4: one row a hyperparameter, the profiles' recipes for images beside the paper's two columns.
 
     The recipes are those for Pick-Place's budget of table 5.
     """

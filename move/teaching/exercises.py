@@ -73,7 +73,7 @@ def _near(answer: float, right: float, tolerance: float, hint: str) -> str:
 @exercise("1.1")
 def mean_distance(answer: float) -> str:
     """Centimetres that an object goes on average in 30 steps at v_max 0.03 m a step: Beta(2, 5) has mean 2/7."""
-    return _near(answer, 100 * 30 * 0.03 * 2 / 7, 0.5, "what is the mean of Beta(2, 5)? It is in the picture above. "
+    return _near(answer, 100 * 30 * 0.03 * 2 / 7, 0.5, "what is the mean of Beta(2, 5)? It is in the figure above. "
                  "Steps times v_max times that mean is in metres")
 
 

@@ -1,4 +1,4 @@
-"""Small pictures and tables of the data, of the policy and of success rates."""
+"""Small figures and tables of the data, of the policy and of success rates."""
 
 from __future__ import annotations
 
@@ -60,9 +60,9 @@ def windows_table(demonstrations: Demonstrations, training: Training, first: int
 
 
 def draw_pictures(task: str, methods: tuple[Method, ...], size: int, seed: int, timesteps: tuple[int, ...]) -> Markdown:
-    """Pictures of the first demonstration by each method at some timesteps, as a policy from pixels sees them."""
+    """Images of the first demonstration by each method at some timesteps, as a policy from pixels sees them."""
     if problem := gl_problem():
-        return Markdown(f"No pictures: {problem}.")
+        return Markdown(f"No images: {problem}.")
     figure, axes = plt.subplots(len(methods), len(timesteps), figsize=(1.3 * len(timesteps), 1.35 * len(methods)))
     for row, method in zip(axes, methods, strict=True):
         wanted = Collection(task=task, method=method, timesteps=max(timesteps) + 1, observation="rgb", image_size=size)

@@ -1,0 +1,191 @@
+"""What is shipped agrees with itself: results, tables, captions. Each number is reached by a second way.
+
+Rates are counted again from the stored files with nothing but JSON; differences are taken again from the rates; and
+what a caption says in words is looked up in the tables.
+"""
+
+import json
+import re
+from functools import cache
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from move import paths
+from move.study import experiments
+from move.study.profiles import load_profile
+
+LAPTOP = load_profile("laptop")
+SHIPPED = paths.figures(LAPTOP)
+STORED = paths.results(LAPTOP)
+ROUNDED = 1e-4  # of a number in a CSV file
+TRIPLE = re.compile(r"([+-]\d+)(?: points)? \[([+-]\d+), ([+-]\d+)\]"
+                    r"(, above 0|, below 0|, not distinguishable from 0)?")
+DIFFERENCES = [("gap", "low", "high"), ("gain", "gain_low", "gain_high"), ("mean_difference", "low", "high"),
+               ("iqm_difference", "iqm_low", "iqm_high")]
+
+
+@cache
+def shipped(name: str) -> pd.DataFrame:
+    table = pd.read_csv(SHIPPED / f"{name}.csv")
+    if {"iqm_first", "iqm_second"} <= set(table):
+        table["iqm_difference"] = table.iqm_first - table.iqm_second
+    return table
+
+
+@cache
+def content(path) -> dict:
+    return json.loads(path.read_text())
+
+
+def counted(figure: str, named: tuple[str, ...], **only: object) -> pd.DataFrame:
+    """Of an experiment's runs that are stored, by their labels: successes and episodes, one row a run."""
+    rows = []
+    for run in experiments.runs(figure, LAPTOP):
+        path = STORED / f"{run.spec.hash}.json"
+        collection = run.spec.collection
+        labels = {"timesteps": collection and collection.timesteps, **run.labels, "observation": run.spec.observation,
+                  "method": collection.method if run.spec.agent == "policy" else run.spec.agent}
+        if path.exists() and all(labels[name] == value for name, value in only.items()):
+            success = np.array(content(path)["rows"]["success"], bool)
+            rows.append({**{name: labels[name] for name in named}, "successes": success.sum(), "all": len(success)})
+    return pd.DataFrame(rows).groupby(list(named), as_index=False).sum()
+
+
+@pytest.mark.parametrize(("table", "figure", "named", "only"), [
+    ("table2_main", "table2_main", ("task", "method"), {"observation": "rgb"}),
+    ("table2_main_keypoints", "table2_main", ("task", "method"), {"observation": "keypoints"}),
+    ("table1_spatial_factors", "table1_spatial_factors", ("factors", "method"), {}),
+    ("fig4_scaling", "fig4_scaling", ("task", "timesteps", "method"), {}),
+    ("fig6_dimensions", "fig6_dimensions", ("task", "moves", "method"), {}),
+    ("fig_mixture", "fig_mixture", ("share", "method"), {}),
+    ("fig_training_length", "fig_training_length", ("task", "length", "method"), {}),
+    ("equal_demonstrations", "equal_demonstrations", ("equal", "method"), {}),
+])
+def test_every_shipped_rate_is_what_the_stored_episodes_count(table, figure, named, only):
+    drawn = shipped(table)
+    again = counted(figure, named, **only)
+    if "length" in named:
+        again["length"] = again.length.round(4)
+    both = drawn.merge(again, on=list(named), how="outer", indicator=True)
+    assert (both._merge == "both").all(), "no cell is drawn that is not stored, and none left out"
+    assert both.value.to_numpy() == pytest.approx((both.successes / both["all"]).to_numpy(), abs=ROUNDED)
+    assert (both.episodes == both["all"]).all()
+
+
+RATES = sorted(path.stem for path in SHIPPED.glob("*.csv") if {"value", "seeds", "low", "high"} <= set(
+    pd.read_csv(path, nrows=0)))
+
+
+@pytest.mark.parametrize("name", RATES)
+def test_a_rate_is_the_mean_of_its_seeds_and_lies_within_its_interval(name):
+    table = shipped(name)
+    seeds = [np.array(str(row).split(), float) for row in table.seeds]
+    assert [each.mean() for each in seeds] == pytest.approx(table.value.tolist(), abs=ROUNDED)
+    assert (table.low <= table.value).all() and (table.value <= table.high).all()
+    assert (table.low >= 0).all() and (table.high <= 1).all() and (table.low < table.high).all()
+    own = np.array([len(each) > 2 for each in seeds])
+    assert (table.trainings[own].isin(["own", "none"])).all() and not (table.trainings[~own] == "own").any()
+
+
+GAPS = {
+    "table2_main_gaps": ("table2_main", "method", "move", ("task",)),
+    "table2_main_gaps_keypoints": ("table2_main_keypoints", "method", "move", ("task",)),
+    "table1_spatial_factors_gaps": ("table1_spatial_factors", "method", "move", ("factors",)),
+    "fig1_sparse_gap": ("fig1_sparse", "method", "move", ()),
+    "fig3_dense_gap": ("fig3_dense", "method", "move", ()),
+    "fig3_dense_budgets_gap": ("fig3_dense_budgets", "method", "move", ("timesteps",)),
+    "fig5_circle_gaps": ("fig5_circle", "method", "move", ("where",)),
+    "keypoint_control_gaps": ("keypoint_control", "method", "move", ("timesteps",)),
+    "equal_demonstrations_gaps": ("equal_demonstrations", "method", "move", ("equal",)),
+    "fig_training_length_gaps": ("fig_training_length", "method", "move", ("task", "length")),
+    "table_keypoint_control_gaps": ("table_keypoint_control", "method", "move", ("task",)),
+    "fig6_dimensions_steps": ("fig6_dimensions", "moves", None, ("task",)),
+    "fig7_speed_ends": ("fig7_speed", "speed", None, ("task", "part")),
+    "fig_mixture_gains": ("fig_mixture", "share", None, ()),
+}
+
+
+@pytest.mark.parametrize("name", GAPS)
+def test_a_shipped_difference_is_the_first_rate_minus_the_second(name):
+    rates_name, column, first, by = GAPS[name]
+    rates = shipped(rates_name).set_index([*by, column]).value
+    for row in shipped(name).to_dict("records"):
+        place = tuple(row[key] for key in by)
+        one, other = (rates.loc[place + (value,)] for value in (first or row[column], row["baseline"]))
+        assert row["gap"] == pytest.approx(one - other, abs=3 * ROUNDED), row
+        assert row["low"] <= row["gap"] <= row["high"] and row["p"] <= row["holm"] <= 1
+
+
+def test_every_table_of_differences_is_in_the_list_or_has_no_rates_beside_it():
+    found = {path.stem for path in SHIPPED.glob("*.csv") if {"gap", "holm"} <= set(pd.read_csv(path, nrows=0))}
+    means = {name for name in found if name.endswith("_mean")}
+    other = {"fig_training_length_depends", "fig_perception_gaps_rgb", "fig_perception_gaps_keypoints",
+             "generalization_gaps", "table_adc_gaps"}
+    assert found - means - other == {*GAPS}
+
+
+@pytest.mark.parametrize("name", ["table2_main_gaps", "table2_main_gaps_keypoints", "table_keypoint_control_gaps",
+                                  "keypoint_control_gaps"])
+def test_the_mean_difference_is_the_mean_over_its_rows(name):
+    for row in shipped(f"{name}_mean").itertuples():
+        each = shipped(name)[shipped(name).baseline == row.baseline]
+        assert row.gap == pytest.approx(each.gap.mean(), abs=ROUNDED) and row.items == len(each)
+
+
+@pytest.mark.parametrize("seen", ["rgb", "keypoints"])
+def test_in_perception_the_difference_is_of_the_means_of_the_same_experiment(seen):
+    rates = shipped("fig_perception")
+    rates = rates[rates.observation == seen].set_index(["experiment", "method"]).value
+    for row in shipped(f"fig_perception_gaps_{seen}").itertuples():
+        both = rates[row.experiment]
+        assert row.gap == pytest.approx(both["move"] - both["static"], abs=3 * ROUNDED)
+
+
+def test_in_motion_the_difference_is_of_the_rates_in_motion():
+    rates = shipped("generalization_rates").query("group == 'moving'").set_index(["task", "method"]).value
+    for row in shipped("generalization_gaps").itertuples():
+        assert row.gap == pytest.approx(rates[row.task, "move"] - rates[row.task, row.baseline], abs=3 * ROUNDED)
+
+
+CAPTIONS = sorted(path.name.removesuffix(".caption.md") for path in SHIPPED.glob("*.caption.md"))
+BESIDE = {"fig4_efficiency": "fig4_scaling"}
+
+
+def came_out(name: str) -> str:
+    return (SHIPPED / f"{name}.caption.md").read_text().split("**What came out.**")[1].split("**Alternative text.**")[0]
+
+
+@pytest.mark.parametrize("name", [name for name in CAPTIONS if TRIPLE.search(came_out(name))])
+def test_every_difference_that_a_caption_tells_stands_in_a_table_with_the_same_word(name):
+    """ "+12 points [+2, +22], above 0": some row has that difference and interval, and its p after Holm agrees."""
+    rows = []
+    for path in SHIPPED.glob(f"{BESIDE.get(name, name)}*.csv"):
+        table = shipped(path.stem)
+        for columns in DIFFERENCES:
+            if set(columns) <= set(table):
+                holm = table.holm if "holm" in table else [np.nan] * len(table)
+                rows += list(zip(*(100 * table[column] for column in columns), holm, strict=True))
+    for told in TRIPLE.finditer(came_out(name)):
+        numbers = [int(number) for number in told.groups()[:3]]
+        same = [row for row in rows if np.allclose(row[:3], numbers, rtol=0, atol=0.5 + 100 * ROUNDED)]
+        assert same, f"{told[0]}: in no table"
+        word = (told[4] or "").removeprefix(", ")
+        expected = {"not distinguishable from 0" if not row[3] < 0.05 else "above 0" if row[0] > 0 else "below 0"
+                    for row in same}
+        assert not word or word in expected, told[0]
+
+
+MISSING = re.compile(r"(\d+) of (\d+) runs are missing|no run is missing")
+
+
+@pytest.mark.parametrize("name", [name for name in CAPTIONS if MISSING.search(came_out(name))])
+def test_a_caption_counts_the_runs_that_are_missing(name):
+    if (notebook := BESIDE.get(name, name)) == "table2_main":
+        pytest.skip("counts its own: pixels and keypoints apart")
+    specs = set(experiments.specs(notebook, LAPTOP))
+    there = {path.stem for path in STORED.glob("*.json")}
+    missing = sum(spec.hash not in there for spec in specs)
+    told = MISSING.search(came_out(name))
+    assert (int(told[1] or 0), int(told[2] or len(specs))) == (missing, len(specs))
