@@ -13,6 +13,7 @@ import pandas as pd
 import pytest
 
 from move import paths
+from move.report import captions
 from move.study import experiments
 from move.study.profiles import load_profile
 
@@ -154,7 +155,7 @@ BESIDE = {"fig4_efficiency": "fig4_scaling"}
 
 
 def came_out(name: str) -> str:
-    return (SHIPPED / f"{name}.caption.md").read_text().split("**What came out.**")[1].split("**Alternative text.**")[0]
+    return captions.read(SHIPPED / f"{name}.caption.md").found
 
 
 @pytest.mark.parametrize("name", [name for name in CAPTIONS if TRIPLE.search(came_out(name))])
