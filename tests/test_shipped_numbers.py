@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from move import paths
+from move import paper, paths
 from move.report import captions
 from move.study import experiments
 from move.study.profiles import load_profile
@@ -190,3 +190,32 @@ def test_a_caption_counts_the_runs_that_are_missing(name):
     missing = sum(spec.hash not in there for spec in specs)
     told = MISSING.search(came_out(name))
     assert (int(told[1] or 0), int(told[2] or len(specs))) == (missing, len(specs))
+
+
+RATE = re.compile(r"\b(static|ADC|MOVE) (\d+(?:\.\d+)?) ?%")
+METHOD = {"static": "static", "ADC": "adc", "MOVE": "move"}
+
+
+def said_rates(text: str) -> list[tuple[str, float, float]]:
+    """Every "MOVE 52.4%": the method, the number in per cent, and half of its last digit."""
+    return [(METHOD[name], float(number), 0.05 if "." in number else 0.5) for name, number in RATE.findall(text)]
+
+
+@pytest.mark.parametrize("name", [name for name in CAPTIONS if RATE.search(came_out(name))])
+def test_every_rate_that_a_caption_tells_is_that_methods_in_a_table_or_in_the_paper(name):
+    """A rate stands in a table of the figure, or is the mean over the rows of one; the paper's are the paper's."""
+    theirs, _, ours = came_out(name).partition("Here")
+    known: dict[str, list[float]] = {method: [] for method in METHOD.values()}
+    for path in SHIPPED.glob(f"{BESIDE.get(name, name)}*.csv"):
+        table = shipped(path.stem)
+        for column in {"value", "own", "elsewhere", "in_motion", "rate"} & set(table if "method" in table else ()):
+            for method, values in table.groupby("method")[column]:
+                known.setdefault(method, []).extend([*(100 * values), 100 * values.mean()])
+    if name == "rollouts":  # shows the policies of the first seed
+        for row in shipped("table2_main").query("task == 'pick-place'").itertuples():
+            known[row.method] = [100 * float(row.seeds.split()[0])]
+    for method, number, digit in said_rates(ours):
+        assert np.isclose(known[method], number, rtol=0, atol=digit + 100 * ROUNDED).any(), (method, number)
+    printed = 100 * paper.PAPER.query("metric in ('success', 'mean_success')").set_index("method").value
+    for method, number, digit in said_rates(theirs):
+        assert np.isclose(printed[method], number, rtol=0, atol=digit).any(), (method, number)
