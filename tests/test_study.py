@@ -276,7 +276,8 @@ def test_processes_compute_what_this_process_would(tmp_path):
     assert not missing and there[0].rows == run.run(spec, tmp_path / "here").rows
 
 
-def test_a_cluster_that_does_not_answer_is_refused(tmp_path):
+def test_a_cluster_that_does_not_answer_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr("move.study.cluster.ANSWER", 0.5)
     with pytest.raises(BadInput, match="no Dask scheduler"):
         execute.execute([tiny_spec()], tmp_path, cluster="tcp://127.0.0.1:1", quiet=True)
 

@@ -11,11 +11,12 @@ equation 5); the two targets take the same step, since either follows from the o
     x_{t-1} = sqrt(abar_{t-1}) * (x_t - sqrt(1 - abar_t) * eps) / sqrt(abar_t) + sqrt(1 - abar_{t-1}) * eps
 """
 
-from typing import cast
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 import torch
-from diffusers.schedulers.scheduling_ddim import DDIMScheduler, DDIMSchedulerOutput
 from torch import IntTensor, Tensor, nn
 from torch.nn import functional as F
 
@@ -26,12 +27,17 @@ from move.learn.settings import Training
 from move.sim.demonstrations import Demonstrations
 from move.sim.observe import KEYPOINTS, ObservationSpec
 
+if TYPE_CHECKING:
+    from diffusers.schedulers.scheduling_ddim import DDIMScheduler, DDIMSchedulerOutput
+
 PREDICTION_TYPE = {"sample": "sample", "noise": "epsilon"}
 CONSTANT_BELOW = 1e-3  # metres, or units of action: less than that in all the data is no movement
 
 
 def noise_schedule(training: Training) -> DDIMScheduler:
     """Squared-cosine noise schedule with deterministic DDIM steps; predictions of actions clipped to [-1, 1]."""
+    from diffusers.schedulers.scheduling_ddim import DDIMScheduler  # slow to import, and most commands build no policy
+
     schedule = DDIMScheduler(
         num_train_timesteps=training.diffusion_steps,
         beta_schedule="squaredcos_cap_v2",
@@ -180,7 +186,7 @@ class DiffusionPolicy(nn.Module):
     def _denoise(self, actions: Tensor, condition: Tensor) -> Tensor:
         for time in self.schedule.timesteps:
             predicted = self.denoiser(actions, time.to(actions.device).expand(len(actions)), condition)
-            actions = cast(DDIMSchedulerOutput, self.schedule.step(predicted, time, actions)).prev_sample
+            actions = cast("DDIMSchedulerOutput", self.schedule.step(predicted, time, actions)).prev_sample
         return actions
 
     def _predicted_shape(self, batch: int) -> tuple[int, int, int]:

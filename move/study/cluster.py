@@ -22,6 +22,7 @@ from move.study.spec import RunSpec
 if TYPE_CHECKING:
     from distributed import Client
 
+ANSWER = 10.0  # seconds that a scheduler may take to answer
 PATIENCE = 3.0  # seconds that a worker may take to join before one is told that there is none
 GONE = "cluster: the scheduler is gone; what is stored stays, and the same command goes on with another"
 _HERE = Processes()  # of this worker
@@ -79,7 +80,7 @@ def dask_cluster(address: str, folder: Path) -> Iterator[Cluster]:
 
     logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what goes wrong is said here, in one line
     try:
-        client = Client(address, timeout=10)
+        client = Client(address, timeout=ANSWER)
     except (OSError, ValueError) as error:
         raise BadInput(f"cluster: no Dask scheduler at {address} ({error}); start one with `dask scheduler`") from error
     cluster = Cluster(client, address, folder)
