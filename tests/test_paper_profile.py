@@ -1,7 +1,7 @@
 """The paper's own scale: its recipe, and one run of each kind from end to end on a CPU with three gradient steps.
 
-From pixels and from keypoints one kind has the network at the paper's size, a gigabyte with its optimiser; for the
-others, which differ by where demonstrations grasp, the U-Net is narrower.
+One kind has the network at the paper's size, a gigabyte with its optimiser; for the others, which differ by what is
+seen and where demonstrations grasp, the U-Net is narrower.
 """
 
 import shutil
@@ -44,7 +44,7 @@ def cut(spec: RunSpec, batch_size: int = 8) -> RunSpec:
     if spec.training:
         changes["training"] = spec.training.model_copy(
             update={"gradient_steps": 3, "warmup_steps": 1, "batch_size": batch_size,
-                    **({} if protocol(spec) == "random" else {"unet_widths": NARROW})})
+                    **({} if spec.observation == "rgb" and protocol(spec) == "random" else {"unet_widths": NARROW})})
     return spec.model_copy(update=changes)
 
 
