@@ -1,5 +1,6 @@
 """The site: its parts from shipped files, and, where it has been built, every page, link and picture of it."""
 
+import os
 import re
 import sys
 from html.parser import HTMLParser
@@ -46,6 +47,20 @@ def test_the_start_page_has_every_claim_with_its_verdict_and_its_figures_page():
     for line, row in zip(lines, ledger.itertuples(), strict=True):
         assert line.startswith(f"| {row.number} |") and f"**{row.verdict}**" in line
         assert f"(figures/{row.figure}.ipynb)" in line and line.count(" | ") == 4
+
+
+def test_the_site_computes_nothing_that_is_missing(tmp_path, monkeypatch):
+    class Enough(Exception):
+        pass
+
+    def executed_copy(path: Path) -> None:
+        raise Enough(os.environ["MOVE_STORED_ONLY"])
+
+    monkeypatch.setenv("MOVE_STORED_ONLY", "0")
+    monkeypatch.setattr(make_site, "SOURCE", tmp_path / "source")
+    monkeypatch.setattr(make_site, "executed_copy", executed_copy)
+    with pytest.raises(Enough, match="1"):
+        make_site.main()
 
 
 def test_every_table_belongs_to_a_notebook():

@@ -45,6 +45,7 @@ TO_THE_DOCUMENTS = {f"]({name})": f"]({page}.md)" for page, name in REPOSITORY_P
 def main() -> None:
     """Write the sources, let Sphinx make the pages, say how large it is and how long it took."""
     began = time.monotonic()
+    os.environ["MOVE_STORED_ONLY"] = "1"  # the kernels' too
     shutil.rmtree(SOURCE, ignore_errors=True)
     for folder in ("figures", "tutorial", "api", "_static"):
         (SOURCE / folder).mkdir(parents=True)
