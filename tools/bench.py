@@ -155,7 +155,7 @@ def bench_image_training() -> None:
     plain = recipe.model_copy(update={"noise_draws": 1, "learning_frames": None, "precision": "float32"})
     windows, reference = recipe.batch_size / step, recipe.batch_size / step_seconds(plain, made["data"], 40)
     how = "one noise level, all frames learn, float32"
-    report("training windows, pictures", f"{windows:,.0f} a second", f"{reference:,.0f} {how}", windows / reference, "")
+    report("training windows, images", f"{windows:,.0f} a second", f"{reference:,.0f} {how}", windows / reference, "")
     report("noise levels tried on them", f"{windows * recipe.noise_draws:,.0f} a second", f"{reference:,.0f} {how}",
            windows * recipe.noise_draws / reference, "")
     report(f"image gradient step, {recipe.batch_size} windows x {recipe.noise_draws}", f"{step * 1e3:.0f} ms", "", None,
