@@ -5,6 +5,7 @@ import subprocess
 import sys
 import threading
 import time
+from contextlib import suppress
 from pathlib import Path
 
 import psutil
@@ -19,6 +20,7 @@ from move.study.processes import Processes, RunFailed
 SPECS = [control_run(task="pick-place", agent="nothing", seed=seed, episodes=1) for seed in range(2)]
 FAKE = """
 import json, os, signal, sys
+from contextlib import suppress
 from pathlib import Path
 sys.path.insert(0, {root!r})
 from move.machine import end_with
@@ -150,6 +152,28 @@ def test_no_process_outlives_the_one_that_started_it(seconds):
     parent.wait()
     gone, alive = psutil.wait_procs(workers, timeout=10)
     assert gone and not alive
+
+
+def test_notebook_kernel_and_workers_end_with_the_command_that_draws_a_figure(tmp_path):
+    for name in ("profiles", "notebooks"):
+        (tmp_path / name).symlink_to(paths.ROOT / name)
+    command = psutil.Popen([sys.executable, "-m", "move.cli", "figure", "keypoint_control", "--profile", "smoke"],
+                           env={**os.environ, "PYTHONPATH": str(paths.ROOT), "MOVE_ROOT": str(tmp_path)},
+                           stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+    def computes() -> bool:
+        with suppress(psutil.Error):  # one of them may end while it is asked
+            return any("move.study.worker" in child.cmdline() for child in command.children(recursive=True))
+        return False
+
+    while not computes():
+        time.sleep(0.05)
+        assert command.poll() is None
+    started = command.children(recursive=True)
+    assert len(started) >= 2, "a kernel and its workers"
+    command.kill()
+    command.wait()
+    assert psutil.wait_procs(started, timeout=10)[1] == []
 
 
 def test_a_process_whose_parent_is_gone_already_ends_at_once():
