@@ -1,7 +1,7 @@
 """What is shipped agrees with itself: results, tables, captions. Each number is reached by a second way.
 
 Rates are counted again from the stored files with nothing but JSON; differences are taken again from the rates; and
-what a caption says in words is looked up in the tables.
+what a caption says in words is looked up in the tables. Whoever adds results draws the figures again: `make figures`.
 """
 
 import json
@@ -70,7 +70,7 @@ def test_every_shipped_rate_is_what_the_stored_episodes_count(table, figure, nam
     if "length" in named:
         again["length"] = again.length.round(4)
     both = drawn.merge(again, on=list(named), how="outer", indicator=True)
-    assert (both._merge == "both").all(), "no cell is drawn that is not stored, and none left out"
+    assert (both._merge == "both").all(), "no cell is drawn that is not stored, and none left out: make figures"
     assert both.value.to_numpy() == pytest.approx((both.successes / both["all"]).to_numpy(), abs=ROUNDED)
     assert (both.episodes == both["all"]).all()
 
@@ -189,7 +189,7 @@ def test_a_caption_counts_the_runs_that_are_missing(name):
     there = {path.stem for path in STORED.glob("*.json")}
     missing = sum(spec.hash not in there for spec in specs)
     told = MISSING.search(came_out(name))
-    assert (int(told[1] or 0), int(told[2] or len(specs))) == (missing, len(specs))
+    assert (int(told[1] or 0), int(told[2] or len(specs))) == (missing, len(specs)), "make figures"
 
 
 RATE = re.compile(r"\b(static|ADC|MOVE) (\d+(?:\.\d+)?) ?%")
