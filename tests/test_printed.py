@@ -23,6 +23,8 @@ ONE = {"low": 0.1, "high": 0.3}
     ({"share": 0.75}, "MOVE's share (%)", "75.0"),
     ({"share": 0.75, "baseline": 0.0}, "Against (%)", "0.0"),
     ({"baseline": "adc"}, "Against", "ADC"),
+    ({"moves": "object + target"}, "What moves", "object, target"),
+    ({"moves": "object", "baseline": "nothing"}, "Against", "nothing"),
     ({"baseline": 0.03}, "Against", "0.03"),
     ({"seeds": [0.5, 0.25]}, "Each seed (%)", "50.0, 25.0"),
     ({"seeds": 3}, "Seeds", "3"),

@@ -69,6 +69,11 @@ def _seeds(values: Any) -> str:
     return ", ".join(_percent(value) for value in values)
 
 
+def _moves(value: Any) -> str:
+    """What moves, as a list: short enough for two of them in a row."""
+    return str(value).replace(" + ", ", ")
+
+
 def _named(**names: str) -> Cell:
     return lambda value: names.get(str(value), str(value))
 
@@ -80,7 +85,7 @@ COLUMNS: dict[str, tuple[str, Cell]] = {
     "p": ("p", _probability), "holm": ("p, Holm", _probability), "items": ("Items", _count), "tasks": ("Tasks", _count),
     "where": ("Where", str), "factors": ("Random", _named(all="object, target, hand, camera",
                                                           **{"object+target": "object, target, hand"})),
-    "moves": ("What moves", str), "part": ("Whose speed", _named(nothing="static")), "speed": ("Speed", _plain),
+    "moves": ("What moves", _moves), "part": ("Whose speed", _named(nothing="static")), "speed": ("Speed", _plain),
     "share": ("MOVE's share (%)", _percent), "length": ("Gradient steps / the recipe's", _plain),
     "equal": ("Equal", str), "demonstrations": ("Demonstrations", _count),
     "observation": ("From", _named(rgb="pixels")), "jumping": ("Reading of ADC", str),
@@ -141,7 +146,8 @@ def _by_company(table: pd.DataFrame) -> dict[str, tuple[str, Cell]]:
     paper: tuple[str, Cell] = ("Paper (points)", _points) if "gap" in table else (
         ("Paper (%)", _percent) if "value" in table else ("Paper, timesteps", _count))
     lost = {"gap": ("Lost elsewhere (points)", _points)} if "own" in table else {}
-    than = {"baseline": ("Against (%)", _percent)} if "share" in table else {}
+    than = {"baseline": ("Against (%)", _percent)} if "share" in table else (
+        {"baseline": ("Against", _moves)} if "moves" in table else {})
     if "paper" in table and not pd.api.types.is_numeric_dtype(table["paper"]):
         paper = ("Paper", str)  # a profile's name is "paper", too
     seeds = {"seeds": ("Seeds", _count)} if "seeds" in table and table.seeds.map(type).ne(list).all() else {}
