@@ -208,7 +208,7 @@ def seen_texts(figure: plt.Figure) -> list[Text]:
             and text not in unseen]
 
 
-@pytest.fixture(params=FIGURES)
+@pytest.fixture(params=FIGURES, scope="module")
 def drawn(request):
     style.use_style()
     figure = FIGURES[request.param]()
