@@ -7,7 +7,7 @@ import subprocess
 import pytest
 
 from move import paths
-from move.report.captions import TABLES
+from move.report.words import TABLES
 
 SHIPPED = sorted((paths.ROOT / "paper_figures").glob("*.tex"))
 DOCUMENT = r"""\documentclass[10pt]{article}

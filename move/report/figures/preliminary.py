@@ -1,0 +1,99 @@
+"""The preliminaries: grasp points at nine places, everywhere and on a circle, and what is random."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import matplotlib.pyplot as plt
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from move.report import maps, plots
+from move.report.figures.panels import legend_below, say, seed_dot
+from move.report.style import PAGE_WIDTH, titles
+from move.sim.grasp_points import CIRCLE
+
+
+def fig1_sparse(episodes: pd.DataFrame, whole: pd.DataFrame) -> Figure:
+    """Two maps and the rates over the whole space.
+
+    Args:
+        episodes: of static and MOVE, on a grid and at the grasp points.
+        whole: as `plots.rates` takes it.
+    """
+    figure, axes = plt.subplots(1, 3, figsize=(PAGE_WIDTH, 2.3), width_ratios=[1, 1, 0.75])
+    _maps(episodes, axes[:2])
+    _rates_with_legend(whole, axes[2])
+    titles(axes, ["static", "MOVE", "whole space"])
+    return figure
+
+
+def _maps(episodes: pd.DataFrame, axes: Sequence[Axes]) -> None:
+    """One map a method with one colour bar; a method without episodes leaves its panel empty and says so."""
+    for ax, method in zip(axes, ("static", "move"), strict=True):
+        rows = episodes[episodes.method == method]
+        if len(rows):
+            mesh = maps.heatmap(rows, ax)
+            ax.set_anchor("N")
+        else:
+            say("missing", ax)
+    axes[1].set_ylabel("")
+    maps.seeds_bar(mesh, axes, episodes.seed.nunique())
+
+
+def _rates_with_legend(whole: pd.DataFrame, ax: Axes) -> None:
+    plots.rates(whole, ax)
+    legend_below(ax, [seed_dot()])
+
+
+def fig3_dense(episodes: pd.DataFrame, grasped: pd.DataFrame, whole: pd.DataFrame, by_budget: pd.DataFrame) -> Figure:
+    """Two maps with the grasps over them, the rates over the whole space, and the rates at smaller budgets.
+
+    Args:
+        grasped: method, object_x, object_y of the demonstrations' grasps (metres).
+        by_budget: as `plots.curve` takes it, with the column timesteps.
+    """
+    figure, axes = plt.subplots(1, 4, figsize=(PAGE_WIDTH, 2.1), width_ratios=[1, 1, 0.62, 0.8])
+    _maps(episodes, axes[:2])
+    for ax, method in zip(axes, ("static", "move"), strict=False):
+        maps.grasps(grasped[grasped.method == method], ax)
+    _rates_with_legend(whole, axes[2])
+    plots.curve(by_budget, "timesteps", "timesteps", axes[3], log=True)
+    axes[3].set_ylabel("")
+    axes[3].legend(loc="lower right")
+    titles(axes, ["static", "MOVE", "whole space", "by budget"])
+    return figure
+
+
+def fig5_circle(episodes: pd.DataFrame, rates: pd.DataFrame) -> Figure:
+    """Two maps with the circle over them, and the rates inside and outside of it.
+
+    Args:
+        rates: as `plots.grouped_rates` takes it, with the column where.
+    """
+    figure, axes = plt.subplots(1, 3, figsize=(PAGE_WIDTH, 2.3), width_ratios=[1, 1, 0.95])
+    _maps(episodes, axes[:2])
+    for ax in axes[:2]:
+        maps.circle(CIRCLE, ax)
+    plots.grouped_rates(rates, "where", list(rates["where"].unique()), axes[2])
+    legend_below(axes[2], [seed_dot()], 2)
+    titles(axes, ["static", "MOVE", "in and out of the circle"])
+    return figure
+
+
+def table1_spatial_factors(rates: pd.DataFrame, gaps: pd.DataFrame, labels: Mapping[str, str]) -> Figure:
+    """Static beside MOVE as more is random, and their difference.
+
+    Args:
+        rates: as `plots.grouped_rates` takes it, with the column factors.
+        labels: what to call the values of factors.
+    """
+    figure, axes = plt.subplots(1, 2, figsize=(PAGE_WIDTH, 2.4), width_ratios=[1.2, 1])
+    plots.grouped_rates(rates, "factors", [labels[name] for name in rates.factors.unique()], axes[0])
+    axes[0].set_xlabel("what is random")
+    handles, _ = axes[0].get_legend_handles_labels()
+    figure.legend(handles=[*handles, seed_dot()], ncol=4, loc="outside upper center")
+    plots.gaps(gaps, "factors", [labels[name] for name in gaps.factors.unique()], axes[1])
+    titles(axes, ["success", "MOVE minus static"])
+    return figure

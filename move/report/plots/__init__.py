@@ -1,0 +1,33 @@
+"""Plot functions of rates: a tidy DataFrame and an Axes in, marks on the Axes out; nothing is read from disk.
+
+Rates and differences are shares of 1 in the tables and on the axes, and are written in per cent and in points. A row
+whose value is NaN is drawn as missing. Maps and frames are in `move.report.maps`.
+
+axes     what they share: per cent, points, ticks
+bars     rates, groups of them, ladders, costs, verdicts
+curves   over budgets, speeds, lengths of training, seeds
+points   differences, factors, tasks side by side, coverage
+"""
+
+from move.report.plots.axes import log_ticks, short
+from move.report.plots.bars import cost_entries, costs, grouped_rates, ladder, rates, share_interval, verdicts
+from move.report.plots.curves import coverages, curve, entries, half_widths, level, printed_points
+from move.report.plots.points import (
+    READINGS,
+    changes,
+    covered,
+    efficiencies,
+    gains,
+    gaps,
+    own_and_elsewhere,
+    own_and_elsewhere_entries,
+    readings,
+    task_rates,
+)
+
+__all__ = [
+    "READINGS", "changes", "cost_entries", "costs", "coverages", "covered", "curve", "efficiencies", "entries", "gains",
+    "gaps", "grouped_rates", "half_widths", "ladder", "level", "log_ticks", "own_and_elsewhere",
+    "own_and_elsewhere_entries", "printed_points", "rates", "readings", "share_interval", "short", "task_rates",
+    "verdicts",
+]
