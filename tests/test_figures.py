@@ -13,6 +13,10 @@ import nbformat  # noqa: E402
 import numpy as np  # noqa: E402
 import pandas as pd  # noqa: E402
 import pytest  # noqa: E402
+from matplotlib.collections import PathCollection, QuadMesh  # noqa: E402
+from matplotlib.colors import to_hex  # noqa: E402
+from matplotlib.container import ErrorbarContainer  # noqa: E402
+from matplotlib.lines import Line2D  # noqa: E402
 from matplotlib.text import Text  # noqa: E402
 
 from move import paths  # noqa: E402
@@ -38,7 +42,7 @@ def rates(methods=("static", "move"), **columns) -> pd.DataFrame:
 
 def one_missing(table: pd.DataFrame) -> pd.DataFrame:
     table.loc[1, ["value", "low", "high"]] = np.nan
-    return table.assign(seeds=[[]] * len(table))
+    return table.assign(seeds=[[] if place == 1 else seeds for place, seeds in enumerate(table.seeds)])
 
 
 def grid() -> pd.DataFrame:
@@ -163,7 +167,7 @@ FIGURES = {
     "rollouts": lambda: figures.rollouts(strips(6)),
     "statistics": lambda: figures.statistics(simulated()),
     "table1_spatial_factors": lambda: figures.table1_spatial_factors(
-        rates(factors=["object", "all"]), gaps("factors", ["object", "all"], ("static",)),
+        rates(factors=["object", "all"]), gaps("factors", ["object", "all"], ("static",)).drop(columns="paper"),
         {"object": "object", "all": "+ camera"}),
     "table2_main": lambda: figures.table2_main(
         rates(PAPER_METHODS, task=PAPER_TASKS), rates(PAPER_METHODS, task=PAPER_TASKS).drop(columns="paper"),
@@ -212,6 +216,7 @@ def seen_texts(figure: plt.Figure) -> list[Text]:
 def drawn(request):
     style.use_style()
     figure = FIGURES[request.param]()
+    figure.set_label(request.param)
     style.remark(figure, "114 of 154 runs are missing")
     figure.draw_without_rendering()
     yield figure
@@ -240,6 +245,43 @@ def test_panels_have_letters_in_order(drawn):
     assert letters == (list("abcdefghijkl"[:len(named)]) if len(named) > 1 else [])
     panels = [ax for ax in drawn.axes if ax.get_label() != "<colorbar>"]
     assert len(named) == len(panels) or len(panels) == 1
+
+
+def lines(figure: plt.Figure, **wanted) -> list[Line2D]:
+    """The lines and points of a figure, legends left out, whose properties are these."""
+    return [line for ax in figure.axes for line in ax.get_lines() if len(line.get_xdata())
+            and all(getattr(line, f"get_{name}")() == value for name, value in wanted.items())]
+
+
+MARKS = {  # what a caption calls it -> whether it is drawn
+    r"[Ww]hite dots": lambda figure: any(
+        isinstance(dots, PathCollection) and dots.get_sizes().tolist() == [8] and len(dots.get_offsets())
+        for ax in figure.axes for dots in ax.collections),
+    r"dotted": lambda figure: lines(figure, linestyle=":", color="black"),
+    r"[Dd]iamonds": lambda figure: lines(figure, marker="D"),
+    r"[Qq]uestion marks": lambda figure: lines(figure, marker="$?$"),
+    r"seen from above": lambda figure: any(isinstance(mesh, QuadMesh) for ax in figure.axes for mesh in ax.collections)
+    or figure.get_label() in ("fig2_overview", "fig8_real_setup"),
+    r"interval": lambda figure: any(isinstance(bars, ErrorbarContainer) for ax in figure.axes for bars in ax.containers)
+    or figure.get_label() == "statistics",
+    r"Rings": lambda figure: any(isinstance(dots, PathCollection) and dots.get_sizes().tolist() == [22]
+                                 for ax in figure.axes for dots in ax.collections)
+    and figure.get_label() != "fig3_dense",  # whose grasp points lie everywhere
+    r"triangles": lambda figure: lines(figure, marker="^") and figure.get_label() != "statistics",  # "one shape a ..."
+    r"hollow": lambda figure: [line for line in lines(figure, marker="o") if to_hex(line.get_mfc()) == "#ffffff"],
+}
+
+
+def test_the_caption_names_the_marks_that_are_drawn_and_no_other(drawn):
+    text = captions.caption(drawn.get_label()).text
+    told = {mark: bool(re.search(mark, text)) for mark in MARKS}
+    assert told == {mark: bool(there(drawn)) for mark, there in MARKS.items()}
+
+
+def test_every_letter_that_the_caption_names_is_a_panel(drawn):
+    panels = set(re.findall(r"\\bf\{([a-z])\}", " ".join(ax.get_title(loc="left") for ax in drawn.axes)))
+    told = re.findall(r"\(([a-z])(?:, ([a-z])| to ([a-z])| and ([a-z]))?\)", captions.caption(drawn.get_label()).text)
+    assert {letter for letters in told for letter in letters if letter} <= panels
 
 
 def test_what_comes_from_keypoints_says_so():

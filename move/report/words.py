@@ -130,9 +130,9 @@ FIGURES = {
         "Strips of camera images of a robot arm, one a shown episode."),
     "statistics": Words(
         "What can a success rate say?",
-        "Simulated studies of 100 configurations. (a) How often nominal 95 % intervals hold the true rate; the grey "
-        "band is 93 to 97 %. (b) How wide they are with one seed and with more, for three sizes of what trainings "
-        "differ.",
+        "Simulated studies of 100 configurations. (a) How often nominal 95 % intervals hold the true rate: ours "
+        "filled, those that count episodes alone hollow, one shape a number of seeds; the grey band is 93 to 97 %. "
+        "(b) How wide ours are with one seed and with more, for three sizes of what trainings differ.",
         "A scatter plot of coverages around a band at 95 %, and three falling curves."),
     "table1_spatial_factors": Words(
         "Table 1. How much harder does every random factor make it?",
@@ -149,9 +149,9 @@ FIGURES = {
         "Two panels of points with intervals for ten tasks and three methods, and a panel of differences."),
     "table3_real": Words(
         "Table 3. The paper's real-robot trials, with what thirty trials leave open",
-        "(a) Success of the paper's four cells, thirty trials each, with exact 95 % intervals. (b) The score, a third "
-        "for each of approach, pick-up and put-down, over the range (grey) in which it must lie once the successes are "
-        "known. Counts are the paper's.",
+        "(a) Success of the paper's four cells, thirty trials each, with exact 95 % intervals. (b) The score "
+        "(diamonds), a third for each of approach, pick-up and put-down, over the range (grey) in which it must lie "
+        "once the successes are known. Counts are the paper's.",
         "A bar chart of four cells with intervals, and four diamonds over grey ranges."),
     "table6_collection": Words(
         "Table 6. What a demonstration costs",
