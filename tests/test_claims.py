@@ -86,6 +86,18 @@ def test_the_verdict_on_the_main_result_changes_with_the_episodes(more, expected
     assert set(mean.runs) == {f"{task}-{method}" for task in ledger.PAPER_TASKS for method in ("static", "move")}
 
 
+@pytest.mark.parametrize("successes, expected", [(1, "supported"), (8, "not here")])
+def test_that_policies_fail_is_a_share_of_failures(successes, expected):
+    evidence = Made(0)
+    evidence.episodes = lambda experiment: pd.DataFrame([
+        {"run": f"{budget}-{seed}", "task": "pick-place", "method": "static", "observation": "rgb", "group": "point",
+         "hand_spread": 0.03, "timesteps": budget, "seed": seed, "trial": trial, "success": trial < successes}
+        for budget in (1300, 3250) for seed in range(3) for trial in range(9)])
+    items = decided(evidence, "fewer trajectories")
+    assert [item.value for item in items] == [pytest.approx(1 - successes / 9)] * 2
+    assert verdict(items) == expected and all(item.above == 0.5 for item in items)
+
+
 def test_a_claim_without_runs_says_what_it_would_cost(tmp_path, monkeypatch):
     monkeypatch.setattr("move.study.claims.evidence.results", lambda profile: tmp_path)
     evidence = Evidence(load_profile("laptop"))

@@ -109,6 +109,13 @@ def test_figure_3_shows_each_methods_own_grasps_and_its_curve_over_budgets():
     assert heights(panels["by budget"]) == {COLOUR["static"]: [0.2, 0.7], COLOUR["move"]: [0.26, 0.76]}
 
 
+def test_fewer_demonstrations_are_shown_at_their_points_first_and_over_the_whole_space_second():
+    at_points, whole = (rates({(1300,): level, (7000,): level + 0.2}, ("timesteps",)) for level in (0.1, 0.5))
+    panels = titled(figures.few_demonstrations(at_points, whole))
+    assert heights(panels["at the nine points"]) == {COLOUR["static"]: [0.1, 0.3], COLOUR["move"]: [0.16, 0.36]}
+    assert heights(panels["whole space"]) == {COLOUR["static"]: [0.5, 0.7], COLOUR["move"]: [0.56, 0.76]}
+
+
 def test_figure_5_draws_its_circle_over_both_maps_and_the_papers_values_at_their_sides():
     table = rates({("inside",): 0.2, ("outside",): 0.6}, ("where",)).assign(paper=[0.213, 0.437, 0.446, 0.674])
     panels = titled(figures.fig5_circle(grid({"static": 0.25, "move": 0.75}), table))

@@ -135,6 +135,8 @@ def orange() -> plt.Figure:
 
 
 FIGURES = {
+    "few_demonstrations": lambda: figures.few_demonstrations(
+        one_missing(rates(timesteps=[1300, 3250, 7000])), rates(timesteps=[1300, 3250, 7000])),
     "fig1_sparse": lambda: figures.fig1_sparse(grid(), rates()),
     "fig2_overview": lambda: figures.fig2_overview(
         {method: seen(method) for method in PAPER_METHODS},

@@ -109,6 +109,15 @@ def test_figure_3_names_its_curves():
     assert titles(figure) == ["static", "MOVE", "whole space", "by budget"]
 
 
+def test_fewer_demonstrations_name_their_axis_once_and_what_is_missing():
+    one, other = rates(timesteps=[1300, 7000]), rates(missing=True, timesteps=[1300, 7000])
+    figure = figures.few_demonstrations(one, one)
+    assert ylabels(figure) == ["success (%)", ""] and legend(figure) == ["static", "MOVE"]
+    assert {ax.get_xlabel() for ax in figure.axes} == {"timesteps of demonstrations"}
+    assert legend(figures.few_demonstrations(one, other)) == legend(figures.few_demonstrations(other, one)) == [
+        "static", "MOVE", "missing"]
+
+
 def test_figure_5_names_bars_papers_lines_and_seeds():
     figure = figures.fig5_circle(grid(), rates(where=["inside", "outside"]))
     assert sorted(beside(figure.axes[2])) == ["MOVE", "a seed", "paper", "static"]

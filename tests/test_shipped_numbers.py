@@ -94,6 +94,7 @@ GAPS = {
     "table2_main_gaps": ("table2_main", "method", "move", ("task",)),
     "table2_main_gaps_keypoints": ("table2_main_keypoints", "method", "move", ("task",)),
     "table1_spatial_factors_gaps": ("table1_spatial_factors", "method", "move", ("factors",)),
+    "few_demonstrations_gaps": ("few_demonstrations", "method", "move", ("timesteps",)),
     "fig1_sparse_gap": ("fig1_sparse", "method", "move", ()),
     "fig3_dense_gap": ("fig3_dense", "method", "move", ()),
     "fig3_dense_budgets_gap": ("fig3_dense_budgets", "method", "move", ("timesteps",)),

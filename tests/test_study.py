@@ -531,6 +531,15 @@ def test_each_method_has_the_same_budgets_seeds_and_hand_starts(figure):
     assert {spread for *_, spread in design("move")} == {experiments.HAND_SPREAD, 0.0}
 
 
+def test_fewer_demonstrations_are_figure_1_with_two_and_five_at_a_place_and_its_own_runs_at_ten():
+    few, figure_1 = (experiments.specs(name, load_profile("laptop")) for name in ("few_demonstrations", "fig1_sparse"))
+    assert {spec.seed for spec in few} == {0, 1, 2} and {spec.method for spec in few} == {"static", "move"}
+    assert {spec.hash for spec in few if spec.collection.timesteps == 7000} <= {spec.hash for spec in figure_1}
+    made = {spec.collection.timesteps: collect(spec.collection.model_copy(update={"observation": "keypoints"}), 0)[0]
+            for spec in few if spec.method == "static" and spec.seed == 0}
+    assert {budget: round(data.episodes / 9) for budget, data in made.items()} == {1300: 2, 3250: 5, 7000: 11}
+
+
 PIXELS_ALONE = ("fig4_scaling", "fig6_dimensions", "fig7_speed", "fig_coverage", "fig_mixture",
                 "equal_demonstrations")
 

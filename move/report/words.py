@@ -28,6 +28,12 @@ FIGURES = {
         f"Success on Pick-Place where both methods get as many timesteps, and where static gets as many demonstrations "
         f"as MOVE. {_INTERVALS} White dots are single seeds.",
         "Two groups of bars, static beside MOVE."),
+    "few_demonstrations": Words(
+        "How few demonstrations at a place are too few?",
+        f"Success in figure 1's experiment against the budget, (a) at the nine grasp points of the demonstrations "
+        f"themselves and (b) over the whole space. In these budgets static makes about 2, 5 and 11 demonstrations at "
+        f"each point, MOVE a fifth fewer. {_INTERVALS} Question marks are budgets that are not computed yet.",
+        "Two panels with a curve a method over the budget."),
     "fig1_sparse": Words(
         "Figure 1. Nine grasp points: success over the places between",
         f"(a, b) Static and MOVE, {_MAPS} Rings are the nine grasp points, filled with their own success. "
@@ -188,6 +194,10 @@ TABLES = {
     "equal_demonstrations": f"Equal timesteps and equal demonstrations, Pick-Place. {_RATES}",
     "equal_demonstrations_gaps": f"Equal timesteps and equal demonstrations. {_GAPS}",
     "equal_demonstrations_made": "Demonstrations in a data set, mean of the seeds.",
+    "few_demonstrations": f"Figure 1 with fewer demonstrations: the whole space. {_RATES}",
+    "few_demonstrations_points": f"Figure 1 with fewer demonstrations: at the nine grasp points themselves. {_RATES}",
+    "few_demonstrations_gaps": f"Figure 1 with fewer demonstrations: the whole space. {_GAPS}",
+    "few_demonstrations_made": "Figure 1 with fewer demonstrations: how many there are, means of the seeds.",
     "fig1_sparse": f"Figure 1: nine grasp points, the whole space. {_RATES}",
     "fig1_sparse_points": f"Figure 1: at the nine grasp points themselves. {_RATES}",
     "fig1_sparse_gap": f"Figure 1: the whole space. {_GAPS}",

@@ -3,7 +3,7 @@
 One function a figure, named as its notebook. Every figure is one or two columns wide, its panels have letters, and what
 a row says is missing is drawn as missing.
 
-preliminary   figures 1, 3 and 5, table 1
+preliminary   figures 1, 3 and 5, table 1, figure 1 with fewer demonstrations
 main          table 2, ADC, keypoints, generalisation
 ablations     figures 4, 6 and 7
 why           mixtures, length of training, equal demonstrations, coverage, perception
@@ -14,7 +14,13 @@ panels        what they share
 from move.report.figures.ablations import fig4_efficiency, fig4_scaling, fig6_dimensions, fig7_speed
 from move.report.figures.around import claims, fig2_overview, rollouts, statistics, table6_collection, table_recipe
 from move.report.figures.main import generalization, keypoint_control, table2_main, table_adc, table_keypoint_control
-from move.report.figures.preliminary import fig1_sparse, fig3_dense, fig5_circle, table1_spatial_factors
+from move.report.figures.preliminary import (
+    few_demonstrations,
+    fig1_sparse,
+    fig3_dense,
+    fig5_circle,
+    table1_spatial_factors,
+)
 from move.report.figures.why import (
     equal_demonstrations,
     fig_coverage,
@@ -24,8 +30,9 @@ from move.report.figures.why import (
 )
 
 __all__ = [
-    "claims", "equal_demonstrations", "fig1_sparse", "fig2_overview", "fig3_dense", "fig4_efficiency", "fig4_scaling",
-    "fig5_circle", "fig6_dimensions", "fig7_speed", "fig_coverage", "fig_mixture", "fig_perception",
-    "fig_training_length", "generalization", "keypoint_control", "rollouts", "statistics", "table1_spatial_factors",
-    "table2_main", "table6_collection", "table_adc", "table_keypoint_control", "table_recipe",
+    "claims", "equal_demonstrations", "few_demonstrations", "fig1_sparse", "fig2_overview", "fig3_dense",
+    "fig4_efficiency", "fig4_scaling", "fig5_circle", "fig6_dimensions", "fig7_speed", "fig_coverage", "fig_mixture",
+    "fig_perception", "fig_training_length", "generalization", "keypoint_control", "rollouts", "statistics",
+    "table1_spatial_factors", "table2_main", "table6_collection", "table_adc", "table_keypoint_control",
+    "table_recipe",
 ]

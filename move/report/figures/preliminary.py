@@ -47,6 +47,22 @@ def _rates_with_legend(whole: pd.DataFrame, ax: Axes) -> None:
     legend_below(ax, [seed_dot()])
 
 
+def few_demonstrations(at_points: pd.DataFrame, whole: pd.DataFrame) -> Figure:
+    """Success at the nine points and over the whole space, against the budget.
+
+    Args:
+        at_points, whole: as `plots.curve` takes them, with the column timesteps.
+    """
+    figure, axes = plt.subplots(1, 2, figsize=(PAGE_WIDTH, 2.3), sharey=True)
+    for ax, rates in zip(axes, (at_points, whole), strict=True):
+        plots.curve(rates, "timesteps", "timesteps of demonstrations", ax, log=True)
+    axes[1].set_ylabel("")
+    titles(axes, ["at the nine points", "whole space"])
+    missing = bool(pd.concat([at_points, whole]).value.isna().any())
+    figure.legend(handles=plots.entries(["static", "move"], missing=missing), ncol=3, loc="outside upper center")
+    return figure
+
+
 def fig3_dense(episodes: pd.DataFrame, grasped: pd.DataFrame, whole: pd.DataFrame, by_budget: pd.DataFrame) -> Figure:
     """Two maps with the grasps over them, the rates over the whole space, and the rates at smaller budgets.
 

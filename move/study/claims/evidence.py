@@ -45,6 +45,13 @@ class Evidence:
             return self.missing(what, experiment, where)
         return _finding(what, success_rate(successes(rows), self._noise(experiment)), rows, above, paper)
 
+    def failure(self, what: str, experiment: str, where: Where, above: float) -> Item:
+        """The share of episodes that fail, said to be above a value."""
+        rows = self._rows(experiment, where)
+        if rows.empty:
+            return self.missing(what, experiment, where)
+        return _finding(what, success_rate(1 - successes(rows), self._noise(experiment)), rows, above, float("nan"))
+
     def gap(self, what: str, experiment: str, one: Where, other: Where, paper: float = float("nan"),
             above: float = 0.0) -> Item:
         """The success rate where `one` holds minus that where `other` does, paired by configuration."""

@@ -1,6 +1,6 @@
 """Which runs make which figure: one registered function a figure, from a profile and its parameters to labelled runs.
 
-preliminary.py  figures 1, 3 and 5, table 1: Pick-Place, static and MOVE
+preliminary.py  figures 1, 3 and 5, table 1: Pick-Place, static and MOVE; figure 1 with fewer demonstrations
 main.py         table 2, and the same policies at their own grasps and as images
 ablations.py    the recipe for images, one change at a time; how long one trains; how ADC jumps
 controls.py     from keypoints; what a demonstration costs
@@ -18,6 +18,7 @@ the same budget, recipe, evaluation and seeds.
 # ruff: noqa: I001, the order of import is the order in which the experiments are listed and planned
 from move.study.experiments.preliminary import (
     HAND_SPREAD,
+    few_demonstrations,
     fig1_sparse,
     fig3_dense,
     fig5_circle,
@@ -32,7 +33,8 @@ from move.study.experiments.controls import keypoint_control, table6_collection,
 from move.study.experiments.registry import EXPERIMENTS, defaults, experiment, parameters, runs, specs
 
 __all__ = [
-    "EXPERIMENTS", "HAND_SPREAD", "RECIPE_CHANGES", "defaults", "equal_demonstrations", "experiment", "fig1_sparse",
+    "EXPERIMENTS", "HAND_SPREAD", "RECIPE_CHANGES", "defaults", "equal_demonstrations", "experiment",
+    "few_demonstrations", "fig1_sparse",
     "fig3_dense", "fig4_scaling", "fig5_circle", "fig6_dimensions", "fig7_speed", "fig_coverage", "fig_mixture",
     "fig_perception", "fig_training_length", "generalization", "keypoint_control", "parameters", "rollouts",
     "runs", "specs", "table1_spatial_factors", "table2_main", "table6_collection", "table_adc",
