@@ -8,8 +8,11 @@ from pathlib import Path
 import matplotlib
 import nbformat
 import numpy as np
-import papermill
 import pytest
+from jupyter_client.manager import KernelManager
+from nbclient import NotebookClient
+from papermill.iorw import load_notebook_node
+from papermill.parameterize import parameterize_notebook
 
 import move
 from move import paths
@@ -56,21 +59,31 @@ def asked(name: str) -> dict[str, str]:
 SOLVED = [(name, number, answer) for name in SMALL for number, answer in asked(name).items()]
 
 
-@pytest.fixture
-def root(tmp_path: Path) -> Path:
+@pytest.fixture(scope="module")
+def root(tmp_path_factory) -> Path:
     """A root of its own, with what a tutorial may read."""
+    folder = tmp_path_factory.mktemp("tutorials")
     for name in ("profiles", "results", "notebooks"):
-        (tmp_path / name).symlink_to(paths.ROOT / name)
-    return tmp_path
+        (folder / name).symlink_to(paths.ROOT / name)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def kernel(root):
+    """One kernel for all tutorials, for what it imports takes longer than what they do; emptied before each."""
+    manager = KernelManager(kernel_name="python3")
+    manager.start_kernel(cwd=str(root), env=os.environ | {
+        "MOVE_ROOT": str(root), "PYTHONPATH": str(Path(move.__file__).parent.parent),
+        "MPLBACKEND": "module://matplotlib_inline.backend_inline"})
+    yield manager
+    manager.shutdown_kernel(now=True)
 
 
 @pytest.mark.parametrize("name", SMALL)
-def test_a_tutorial_runs_and_leaves_nothing_outside_build(name, root, monkeypatch):
-    monkeypatch.setenv("MOVE_ROOT", str(root))
-    monkeypatch.setenv("PYTHONPATH", str(Path(move.__file__).parent.parent))
-    monkeypatch.setenv("MPLBACKEND", "module://matplotlib_inline.backend_inline")
-    done = papermill.execute_notebook(TUTORIAL / f"{name}.ipynb", None, SMALL[name], kernel_name="python3",
-                                      progress_bar=False, cwd=root, extra_arguments=["--log-level=ERROR"])
+def test_a_tutorial_runs_and_leaves_nothing_outside_build(name, root, kernel):
+    done = parameterize_notebook(load_notebook_node(str(TUTORIAL / f"{name}.ipynb")), SMALL[name])
+    done.cells.insert(0, nbformat.v4.new_code_cell("%reset -f"))
+    NotebookClient(done, km=kernel, timeout=300).execute()
     assert all(cell.execution_count for cell in done.cells if cell.cell_type == "code" and cell.source)
     said = str([cell.outputs for cell in done.cells if cell.cell_type == "code"])
     assert said.count("has no answer yet") + said.count("returns nothing yet") >= len(asked(name))
