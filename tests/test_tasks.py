@@ -26,7 +26,7 @@ NAMES = tuple(TASKS)
 WITH_YAW = tuple(name for name in NAMES if TASKS[name].has_yaw)
 WITH_TARGET = tuple(name for name in NAMES if TASKS[name].has_target)
 FILTERED = ("assembly", "hammer", "window-open", "faucet-open", "basketball")
-EARLY = Evaluation(episodes=50)
+EARLY = Evaluation(episodes=25)
 
 
 @pytest.fixture(scope="module", params=NAMES)
