@@ -124,7 +124,7 @@ def test_every_table_of_differences_is_in_the_list_or_has_no_rates_beside_it():
     found = {path.stem for path in SHIPPED.glob("*.csv") if {"gap", "holm"} <= set(pd.read_csv(path, nrows=0))}
     means = {name for name in found if name.endswith("_mean")}
     other = {"fig_training_length_depends", "fig_perception_gaps_rgb", "fig_perception_gaps_keypoints",
-             "generalization_gaps", "table_adc_gaps"}
+             "generalization_gaps", "table_adc_gaps", "fig4_scaling_equal"}
     assert found - means - other == {*GAPS}
 
 
@@ -149,6 +149,14 @@ def test_in_motion_the_difference_is_of_the_rates_in_motion():
     rates = shipped("generalization_rates").query("group == 'moving'").set_index(["task", "method"]).value
     for row in shipped("generalization_gaps").itertuples():
         assert row.gap == pytest.approx(rates[row.task, "move"] - rates[row.task, row.baseline], abs=3 * ROUNDED)
+
+
+def test_where_the_paper_says_equal_the_difference_is_of_the_rates_at_those_budgets():
+    rates = shipped("fig4_scaling").set_index(["task", "method", "timesteps"]).value
+    for row in shipped("fig4_scaling_equal").itertuples():
+        one = rates.get((row.task, "move", row.move_timesteps), np.nan)
+        other = rates.get((row.task, "static", row.static_timesteps), np.nan)
+        assert row.gap == pytest.approx(one - other, abs=3 * ROUNDED, nan_ok=True)
 
 
 CAPTIONS = sorted(path.name.removesuffix(".caption.md") for path in SHIPPED.glob("*.caption.md"))

@@ -96,7 +96,11 @@ def test_what_the_paper_calls_equal_is_move_at_the_smaller_budget_minus_static_a
     episodes = cells({("pick-place", "move", 20_000): 0.8, ("pick-place", "static", 50_000): 0.6,
                       ("pick-place", "static", 20_000): 0.1, ("assembly", "move", 50_000): 0.5},
                      ("task", "method", "timesteps"))
-    first, second = efficiency.said_to_be_equal(episodes)
+    table = efficiency.equal_budgets(episodes)
+    assert list(table.task) == ["pick-place", "assembly"]
+    assert list(table.move_timesteps) == [20_000, 50_000] and list(table.static_timesteps) == [50_000, 100_000]
+    assert table.gap[0] == pytest.approx(0.2) and table.holm[0] == table.p[0] and np.isnan(table.gap[1])
+    first, second = efficiency.spoken_equal(table).split("; ")
     assert first.startswith("Pick-Place, MOVE at 20,000 timesteps minus static at 50,000 (the paper: equal): +20 poin")
     assert first.endswith("above 0")
     assert second == "Assembly, MOVE at 50,000 timesteps minus static at 100,000 (the paper: equal): not computed yet"
@@ -112,6 +116,10 @@ def test_an_efficiency_is_told_task_by_task_and_by_its_median():
     assert "Push 2 [1.5, " in said and "Hammer 0.5 [0.4, 1.2]" in said and "Assembly > 2 [0.9, > 2]" in said
     assert said.endswith("Median task 2; above 1 with its whole interval on 1 of 3.")
     assert "Median task > 2;" in efficiency.spoken_efficiency(table.iloc[[2, 2, 0]])
+    bounded = pd.concat([table, table.iloc[[2]].assign(most=1.0, task="basketball")])  # 2, 0.5, > 2, > 1
+    assert "Median task between 1.5 and 2" not in efficiency.spoken_efficiency(bounded)
+    assert "Median task > 1.5;" in efficiency.spoken_efficiency(bounded)
+    assert "Median task between 1 and 2;" in efficiency.spoken_efficiency(bounded.iloc[[0, 1, 3]])
     assert efficiency.spoken_efficiency(table.iloc[:0]) == "No task has two budgets of both methods yet."
 
 

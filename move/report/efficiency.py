@@ -6,13 +6,14 @@ import numpy as np
 import pandas as pd
 
 from move.paper import published
-from move.report.differences import gap, spoken_gap
+from move.report.differences import gap, spoken_gap, with_holm
 from move.sim.tasks import TASKS, get_task
 from move.study.statistics.cells import successes, training_noise
 from move.study.statistics.data_efficiency import Efficiency, data_efficiency
 from move.study.statistics.estimates import UNKNOWN, TrainingNoise, difference
 
 COLUMNS = ["task", "timesteps", "ratio", "low", "high", "least", "most"]
+EQUAL = ["task", "move_timesteps", "static_timesteps", "gap", "low", "high", "p", "holm", "trainings"]
 
 
 def efficiency_table(episodes: pd.DataFrame, most_timesteps: int, known: TrainingNoise = UNKNOWN) -> pd.DataFrame:
@@ -41,29 +42,44 @@ def spoken_efficiency(table: pd.DataFrame) -> str:
         return "No task has two budgets of both methods yet."
     each = "; ".join(f"{TASKS[row.task].title} {_efficiency(row)}" for row in table.itertuples())
     clear = int((table.low > 1).sum())
-    median = np.median(table.ratio)
-    told = f"{median:.2g}" if np.isfinite(median) else f"> {table.most.max():.2g}"
-    return (f"Static's timesteps over MOVE's for the same success: {each}. Median task {told}; above "
+    return (f"Static's timesteps over MOVE's for the same success: {each}. Median task {_median(table)}; above "
             f"1 with its whole interval on {clear} of {len(table)}.")
 
 
-def said_to_be_equal(episodes: pd.DataFrame, known: TrainingNoise = UNKNOWN) -> list[str]:
-    """The pairs of budgets that the paper calls equally good, one sentence each: what came out, or what is missing."""
+def _median(table: pd.DataFrame) -> str:
+    """The median factor; of one that is "more than" nothing but that bound is known, so the median may be a bound."""
+    least, most = np.median(np.minimum(table.ratio, table.most)), np.median(table.ratio)
+    if np.isinf(most):
+        return f"> {least:.2g}"
+    return f"{most:.2g}" if least == most else f"between {least:.2g} and {most:.2g}"
+
+
+def equal_budgets(episodes: pd.DataFrame, known: TrainingNoise = UNKNOWN) -> pd.DataFrame:
+    """MOVE minus static at the budgets that the paper calls equally good: one row a task, a difference where computed.
+
+    Holm's adjustment is over the rows that are computed.
+    """
     noise = training_noise(episodes, ["task", "method", "timesteps"], known)
     said = published("fig4_scaling", "timesteps", condition="equally good")
-    lines = []
+    computed, missing = [], []
     for task, group in said[said.task.isin(episodes.task)].groupby("task", sort=False):
         budgets = group.set_index("method").value.astype(int)
-        claim = f"{TASKS[task].title}, MOVE at {budgets.move:,} timesteps minus static at {budgets.static:,}"
         cells = [successes(rows) for method in ("move", "static") if len(rows := episodes[
             (episodes.task == task) & (episodes.method == method) & (episodes.timesteps == budgets[method])])]
-        if len(cells) < 2:
-            lines.append(f"{claim} (the paper: equal): not computed yet")
-            continue
-        found = difference(cells[0], cells[1], noise)
-        lines.append(f"{claim} (the paper: equal): "
-                     f"{spoken_gap(pd.Series({**gap(found), 'holm': found.p_value}))}")
-    return lines
+        row = {"task": task, "move_timesteps": budgets.move, "static_timesteps": budgets.static}
+        if len(cells) == 2:
+            computed.append({**row, **gap(difference(*cells, noise))})
+        else:
+            missing.append(row)
+    return pd.DataFrame(with_holm(computed) + missing, columns=EQUAL)
+
+
+def spoken_equal(table: pd.DataFrame) -> str:
+    """A table of `equal_budgets` in words: each pair of budgets with what came out, or that it is missing."""
+    return "; ".join(
+        f"{TASKS[row.task].title}, MOVE at {row.move_timesteps:,} timesteps minus static at {row.static_timesteps:,} "
+        f"(the paper: equal): {spoken_gap(row) if pd.notna(row.gap) else 'not computed yet'}"
+        for _, row in table.iterrows())
 
 
 def _efficiency(row) -> Efficiency:

@@ -80,11 +80,12 @@ def _named(**names: str) -> Cell:
 
 COLUMNS: dict[str, tuple[str, Cell]] = {
     "task": ("Task", _task), "method": ("Method", _method), "baseline": ("Against", _method),
-    "timesteps": ("Timesteps", _count), "value": ("Success (%)", _percent), "seeds": ("Each seed (%)", _seeds),
-    "episodes": ("Episodes", _count), "trainings": ("Training noise", str), "gap": ("Difference (points)", _points),
-    "p": ("p", _probability), "holm": ("p, Holm", _probability), "items": ("Items", _count), "tasks": ("Tasks", _count),
-    "where": ("Where", str), "factors": ("Random", _named(all="object, target, hand, camera",
-                                                          **{"object+target": "object, target, hand"})),
+    "timesteps": ("Timesteps", _count), "move_timesteps": ("Timesteps, MOVE", _count),
+    "static_timesteps": ("Timesteps, static", _count), "value": ("Success (%)", _percent),
+    "seeds": ("Each seed (%)", _seeds), "episodes": ("Episodes", _count), "trainings": ("Training noise", str),
+    "gap": ("Difference (points)", _points), "p": ("p", _probability), "holm": ("p, Holm", _probability),
+    "items": ("Items", _count), "tasks": ("Tasks", _count), "where": ("Where", str),
+    "factors": ("Random", _named(all="object, target, hand, camera", **{"object+target": "object, target, hand"})),
     "moves": ("What moves", _moves), "part": ("Whose speed", _named(nothing="static")), "speed": ("Speed", _plain),
     "share": ("MOVE's share (%)", _percent), "length": ("Gradient steps / the recipe's", _plain),
     "equal": ("Equal", str), "demonstrations": ("Demonstrations", _count),
