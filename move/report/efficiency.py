@@ -68,7 +68,7 @@ def equal_budgets(episodes: pd.DataFrame, known: TrainingNoise = UNKNOWN) -> pd.
             (episodes.task == task) & (episodes.method == method) & (episodes.timesteps == budgets[method])])]
         row = {"task": task, "move_timesteps": budgets.move, "static_timesteps": budgets.static}
         if len(cells) == 2:
-            computed.append({**row, **gap(difference(*cells, noise))})
+            computed.append({**row, **gap(difference(cells[0], cells[1], noise))})
         else:
             missing.append(row)
     return pd.DataFrame(with_holm(computed) + missing, columns=EQUAL)
