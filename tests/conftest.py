@@ -43,3 +43,10 @@ def pytest_report_header() -> str:
         return "notebooks: those in the folder (no git here)"
     differing = git("diff", "--name-only", "--", "notebooks").split()
     return f"notebooks: as git has them; changed here and not tested: {', '.join(differing) or 'none'}"
+
+
+@pytest.hookimpl
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Begin with the files whose tests take longest, so that no process is left alone with one of them at the end."""
+    longest = ("test_real_notebook", "test_cluster", "test_processes", "test_tutorial", "test_readers_changes")
+    items.sort(key=lambda item: item.path.stem not in longest)

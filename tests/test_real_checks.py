@@ -56,8 +56,10 @@ def test_the_sample_is_a_function_of_its_seed(tmp_path):
         np.testing.assert_array_equal(x.cameras["cam_global"].read([0, 9]), y.cameras["cam_global"].read([0, 9]))
     assert not np.array_equal(a.episodes[0].joints[:20], c.episodes[0].joints[:20])
     before = (tmp_path / "a/SIMULATED.json").stat().st_mtime_ns
-    write_sample(tmp_path / "a", seed=1, episodes=2)
-    assert (tmp_path / "a/SIMULATED.json").stat().st_mtime_ns == before, "an existing sample is kept"
+    for episodes in (1, 2):
+        write_sample(tmp_path / "a", seed=1, episodes=episodes)
+        assert (tmp_path / "a/SIMULATED.json").stat().st_mtime_ns == before, "an existing sample is kept"
+    assert len(open_dataset(write_sample(tmp_path / "a", seed=1, episodes=3)).episodes) == 6
 
 
 def test_real_data_are_not_called_simulated(tmp_path):

@@ -27,7 +27,7 @@ def test_a_larger_budget_begins_with_the_smaller_ones_demonstrations(method):
 def test_a_collection_holds_its_frames_once(monkeypatch):
     import tracemalloc
 
-    collection = Collection(task="window-open", method="static", timesteps=600, observation="rgb", image_size=96)
+    collection = Collection(task="window-open", method="static", timesteps=450, observation="rgb", image_size=96)
     collect(collection.model_copy(update={"timesteps": 10}), 0)
     tracemalloc.start()
     made, _ = collect(collection, 0)

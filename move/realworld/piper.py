@@ -31,13 +31,11 @@ def flange_transform(joints_rad: np.ndarray) -> np.ndarray:
     for (a, alpha, d, offset), angle in zip(DH, np.asarray(joints_rad, dtype=float)[:, :6].T, strict=True):
         c, s = np.cos(angle + offset), np.sin(angle + offset)
         ca, sa = np.cos(alpha), np.sin(alpha)
-        zero, one = np.zeros_like(c), np.ones_like(c)
-        link = np.stack([
-            np.stack([c, -s, zero, a * one], -1),
-            np.stack([s * ca, c * ca, -sa * one, -d * sa * one], -1),
-            np.stack([s * sa, c * sa, ca * one, d * ca * one], -1),
-            np.stack([zero, zero, zero, one], -1),
-        ], axis=1)
+        link = np.zeros((len(c), 4, 4))
+        link[:, 0, 0], link[:, 0, 1], link[:, 0, 3] = c, -s, a
+        link[:, 1, 0], link[:, 1, 1], link[:, 1, 2], link[:, 1, 3] = s * ca, c * ca, -sa, -d * sa
+        link[:, 2, 0], link[:, 2, 1], link[:, 2, 2], link[:, 2, 3] = s * sa, c * sa, ca, d * ca
+        link[:, 3, 3] = 1
         pose = pose @ link
     return pose
 

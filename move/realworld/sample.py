@@ -46,7 +46,7 @@ class Toy:
 
 
 def write_sample(folder: Path, *, seed: int = 0, episodes: int = 20) -> Path:
-    """Write the sample, or keep the one that is already there with the same seed and size.
+    """Write the sample, or keep the one that is already there with the same seed and at least as many demonstrations.
 
     Args:
         folder: where to write; its name is free.
@@ -62,8 +62,10 @@ def write_sample(folder: Path, *, seed: int = 0, episodes: int = 20) -> Path:
         "metres_per_pixel": METRES_PER_PIXEL, "version": 2,
     }
     mark = folder / SIMULATED
-    if mark.is_file() and json.loads(mark.read_text(encoding="utf-8")) == about:
-        return folder
+    if mark.is_file():
+        there = json.loads(mark.read_text(encoding="utf-8"))
+        if there.get("episodes", 0) >= episodes and {**there, "episodes": episodes} == about:
+            return folder
     for method, stream in zip(METHODS, np.random.SeedSequence(seed).spawn(2), strict=True):
         rng = np.random.default_rng(stream)
         _write_part(folder / f"{method}_sample",
