@@ -2,8 +2,10 @@
 
 Two test processes with two threads each wait for each other on two cores. And what somebody does to a notebook in the
 browser is theirs: tests read the notebooks that are staged or committed (where there is no git, those in the folder).
+What is imported stays to the end, so the garbage collector does not look through it again and again.
 """
 
+import gc
 import subprocess
 import tempfile
 from pathlib import Path
@@ -13,6 +15,7 @@ import pytest
 from move import paths
 from move.machine import one_thread, one_thread_in_children
 
+gc.disable()  # until everything is imported
 one_thread_in_children()
 one_thread()
 
@@ -50,3 +53,9 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Begin with the files whose tests take longest, so that no process is left alone with one of them at the end."""
     longest = ("test_real_notebook", "test_cluster", "test_processes", "test_tutorial", "test_readers_changes")
     items.sort(key=lambda item: item.path.stem not in longest)
+
+
+@pytest.hookimpl
+def pytest_collection_finish() -> None:
+    gc.freeze()
+    gc.enable()
