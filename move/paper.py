@@ -105,17 +105,17 @@ TABLE4_HYPERPARAMETERS = {
 def published(experiment: str, metric: str = "success", **where: str) -> pd.DataFrame:
     """The rows of `PAPER` of one experiment and metric, of those with the given values of other columns.
 
-    With metric "gap" the values are MOVE's success minus another method's, which a column `baseline` names.
+    With metric "difference" the values are MOVE's success minus another method's, which a column `baseline` names.
 
     Raises:
         BadInput: the paper gives no such value.
     """
-    if metric == "gap":
+    if metric == "difference":
         rates = published(experiment, "success", **where)
         move = rates[rates.method == "move"].drop(columns="method")
         pairs = rates[rates.method != "move"].rename(columns={"method": "baseline"}).merge(
             move, on=["experiment", "task", "condition", "metric"], suffixes=("_other", ""))
-        return pairs.assign(metric="gap", value=pairs.value - pairs.value_other).drop(columns="value_other")
+        return pairs.assign(metric="difference", value=pairs.value - pairs.value_other).drop(columns="value_other")
     wanted = {"experiment": experiment, "metric": metric, **where}
     rows = PAPER[(PAPER[list(wanted)] == pd.Series(wanted)).all(axis=1)]
     if rows.empty:

@@ -246,12 +246,14 @@ def test_pixels_and_keypoints_are_never_exchanged():
 
 def test_table_2_has_pixels_over_keypoints_over_the_differences_from_pixels():
     seen, given = ({(task,): level for task in PAPER_TASKS} for level in (0.2, 0.8))
-    gaps = pd.DataFrame([{"task": task, "baseline": other, "gap": gap, "low": gap - 0.1, "high": gap + 0.1,
-                          "paper": 0.15} for task in PAPER_TASKS for other, gap in (("static", 0.06), ("adc", 0.03))])
-    means = pd.DataFrame([{"baseline": "static", "items": 10, "gap": 0.07, "low": 0.0, "high": 0.1, "paper": 0.169}])
+    compared = pd.DataFrame([{"task": task, "baseline": other, "difference": value, "low": value - 0.1,
+                              "high": value + 0.1, "paper": 0.15}
+                             for task in PAPER_TASKS for other, value in (("static", 0.06), ("adc", 0.03))])
+    means = pd.DataFrame([{"baseline": "static", "items": 10, "difference": 0.07, "low": 0.0, "high": 0.1,
+                           "paper": 0.169}])
     controls = pd.DataFrame({"expert": 1.0, "goal-blind": 0.3}, index=list(PAPER_TASKS))
     panels = titled(figures.table2_main(rates(seen, ("task",), PAPER_METHODS), rates(given, ("task",), PAPER_METHODS)
-                                        .drop(columns="paper"), controls, gaps, means))
+                                        .drop(columns="paper"), controls, compared, means))
     assert set(heights(panels["from pixels"])[COLOUR["move"]]) == {0.26}
     assert set(heights(panels["from keypoints: perception given"])[COLOUR["move"]]) == {0.86}
     differences = panels["from pixels: MOVE minus the others"]
@@ -263,10 +265,10 @@ def test_table_2_has_pixels_over_keypoints_over_the_differences_from_pixels():
 
 def test_table_1_names_what_is_random_in_both_panels():
     labels = {"object": "object", "all": "+ camera"}
-    gaps = pd.DataFrame([{"factors": name, "baseline": "static", "gap": gap, "low": gap - 0.1, "high": gap + 0.1}
-                         for name, gap in (("object", 0.0), ("all", 0.23))])
+    compared = pd.DataFrame([{"factors": name, "baseline": "static", "difference": value, "low": value - 0.1,
+                              "high": value + 0.1} for name, value in (("object", 0.0), ("all", 0.23))])
     success = rates({("object",): 0.9, ("all",): 0.5}, ("factors",))
-    panels = titled(figures.table1_spatial_factors(success, gaps, labels))
+    panels = titled(figures.table1_spatial_factors(success, compared, labels))
     assert heights(panels["success"])[COLOUR["static"]] == [0.9, 0.5]
     assert [label.get_text() for label in panels["success"].get_xticklabels()] == ["object", "+ camera"]
     difference = panels["MOVE minus static"]

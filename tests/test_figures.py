@@ -54,8 +54,8 @@ def grid() -> pd.DataFrame:
            for method in ("static", "move")])
 
 
-def gaps(by: str, values, others=("static", "adc")) -> pd.DataFrame:
-    return pd.DataFrame([{by: value, "baseline": other, "gap": 0.1, "low": -0.3, "high": 0.4, "paper": 0.2}
+def compared(by: str, values, others=("static", "adc")) -> pd.DataFrame:
+    return pd.DataFrame([{by: value, "baseline": other, "difference": 0.1, "low": -0.3, "high": 0.4, "paper": 0.2}
                          for value in values for other in others])
 
 
@@ -93,7 +93,7 @@ def controls() -> pd.DataFrame:
 
 
 def means() -> pd.DataFrame:
-    return gaps("task", ["x"]).drop(columns="task").assign(items=10)
+    return compared("task", ["x"]).drop(columns="task").assign(items=10)
 
 
 def simulated() -> pd.DataFrame:
@@ -169,11 +169,11 @@ FIGURES = {
     "rollouts": lambda: figures.rollouts(strips(6)),
     "statistics": lambda: figures.statistics(simulated()),
     "table1_spatial_factors": lambda: figures.table1_spatial_factors(
-        rates(factors=["object", "all"]), gaps("factors", ["object", "all"], ("static",)).drop(columns="paper"),
+        rates(factors=["object", "all"]), compared("factors", ["object", "all"], ("static",)).drop(columns="paper"),
         {"object": "object", "all": "+ camera"}),
     "table2_main": lambda: figures.table2_main(
         rates(PAPER_METHODS, task=PAPER_TASKS), rates(PAPER_METHODS, task=PAPER_TASKS).drop(columns="paper"),
-        controls(), gaps("task", PAPER_TASKS), means()),
+        controls(), compared("task", PAPER_TASKS), means()),
     "table3_real": lambda: real_figures.cells_figure(real_table()),
     "table6_collection": lambda: figures.table6_collection(
         costs(), pd.DataFrame({"method": ["static"], "paper_mean_steps": [83.8], "paper_generation_rate": [0.93]})),

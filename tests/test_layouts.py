@@ -264,9 +264,9 @@ def test_the_statistics_show_our_intervals_widths_alone():
 
 
 def test_table_1_names_what_is_random_and_tables_2_and_adc_their_marks():
-    gaps = pd.DataFrame([{"factors": name, "baseline": "static", "gap": 0.1, "low": 0.0, "high": 0.2, "paper": 0.3}
-                         for name in LABELS])
-    figure = figures.table1_spatial_factors(rates(factors=list(LABELS)), gaps, LABELS)
+    compared = pd.DataFrame([{"factors": name, "baseline": "static", "difference": 0.1, "low": 0.0, "high": 0.2,
+                              "paper": 0.3} for name in LABELS])
+    figure = figures.table1_spatial_factors(rates(factors=list(LABELS)), compared, LABELS)
     assert sorted(legend(figure)) == ["MOVE", "a seed", "paper", "static"]
     assert figure.axes[0].get_xlabel() == "what is random" and titles(figure) == ["success", "MOVE minus static"]
     figure = figures.table_adc(rates(("adc",), observation=["rgb", "keypoints"], task=["push"],
@@ -276,11 +276,11 @@ def test_table_1_names_what_is_random_and_tables_2_and_adc_their_marks():
 
 
 def test_table_2_names_its_methods_once_and_its_differences_with_the_papers_last():
-    gaps = pd.DataFrame([{"task": task, "baseline": other, "gap": 0.1, "low": 0.0, "high": 0.2, "paper": 0.3}
+    compared = pd.DataFrame([{"task": task, "baseline": other, "difference": 0.1, "low": 0.0, "high": 0.2, "paper": 0.3}
                          for task in PAPER_TASKS for other in ("static", "adc")])
     controls = pd.DataFrame({"expert": 1.0, "goal-blind": 0.3}, index=list(PAPER_TASKS))
     table = rates(PAPER_METHODS, task=PAPER_TASKS)
-    figure = figures.table2_main(table, table.drop(columns="paper"), controls, gaps, pd.DataFrame())
+    figure = figures.table2_main(table, table.drop(columns="paper"), controls, compared, pd.DataFrame())
     assert sorted(legend(figure)) == sorted(["static", "ADC", "MOVE", "paper", "expert", "goal-blind expert"])
     assert beside(figure.axes[2]) == ["MOVE − static", "MOVE − ADC", "MOVE − static, paper", "MOVE − ADC, paper"]
     assert not figure.axes[0].xaxis.get_tick_params()["labelbottom"]

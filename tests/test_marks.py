@@ -174,13 +174,13 @@ def test_the_papers_points_stand_a_little_to_the_right_of_their_budget(ax):
 
 
 def test_differences_stand_at_their_numbers_with_the_means_last_under_a_line(ax):
-    table = pd.DataFrame([{"task": task, "baseline": other, "gap": gap, "low": gap - 0.1, "high": gap + 0.2,
-                           "paper": gap + 0.3}
+    table = pd.DataFrame([{"task": task, "baseline": other, "difference": value, "low": value - 0.1,
+                           "high": value + 0.2, "paper": value + 0.3}
                           for task, shift in (("push", 0.0), ("hammer", 0.1))
-                          for other, gap in (("static", 0.2 + shift), ("adc", -0.1 + shift))])
-    means = pd.DataFrame([{"baseline": "static", "gap": 0.5, "low": 0.4, "high": 0.55, "items": 2, "paper": 0.6},
-                          {"baseline": "adc", "gap": 0.1, "low": 0.0, "high": 0.3, "items": 2, "paper": 0.6}])
-    plots.gaps(table, "task", ["Push", "Hammer"], ax, means)
+                          for other, value in (("static", 0.2 + shift), ("adc", -0.1 + shift))])
+    means = pd.DataFrame([{"baseline": "static", "difference": 0.5, "low": 0.4, "high": 0.55, "items": 2, "paper": 0.6},
+                          {"baseline": "adc", "difference": 0.1, "low": 0.0, "high": 0.3, "items": 2, "paper": 0.6}])
+    plots.differences(table, "task", ["Push", "Hammer"], ax, means)
     drawn = {container.get_label(): (numbers(container[0].get_xdata()), numbers(container[0].get_ydata()),
                                      [tuple(segment[:, 0].round(6)) for segment in container[2][0].get_segments()])
              for container in ax.containers}
@@ -201,8 +201,8 @@ def test_differences_stand_at_their_numbers_with_the_means_last_under_a_line(ax)
 
 @pytest.mark.parametrize("means", [None, pd.DataFrame()])
 def test_differences_without_a_mean_have_no_line(ax, means):
-    table = pd.DataFrame([{"task": "push", "baseline": "static", "gap": 0.2, "low": 0.1, "high": 0.4}])
-    plots.gaps(table, "task", ["Push"], ax, means)
+    table = pd.DataFrame([{"task": "push", "baseline": "static", "difference": 0.2, "low": 0.1, "high": 0.4}])
+    plots.differences(table, "task", ["Push"], ax, means)
     assert names(ax.yaxis) == ["Push"] and ax.containers[0][0].get_ydata()[0] == 0 and ax.get_ylim() == (0.5, -0.5)
     assert not [line for line in ax.get_lines() if line.get_marker() == "D"], "the paper has none"
     assert written(ax.xaxis, (-0.1, 0, 0.001, 0.12)) == ["−10", "0", "0", "+12"]

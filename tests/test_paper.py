@@ -123,8 +123,8 @@ def test_the_join_keeps_our_rows_and_finds_the_papers_by_name():
     assert table.index.tolist() == [7, 8, 9] and table.paper.tolist()[:2] == [0.674, 0.213]
     assert math.isnan(table.paper[9])
     hammer = pd.DataFrame({"task": ["hammer"], "baseline": ["adc"]})
-    gaps = with_paper(hammer, "table2_main", ["task", "baseline"], "gap")
-    assert gaps.paper.tolist() == pytest.approx([0.309 - 0.252])
+    compared = with_paper(hammer, "table2_main", ["task", "baseline"], "difference")
+    assert compared.paper.tolist() == pytest.approx([0.309 - 0.252])
 
 
 @pytest.mark.parametrize("on, experiment, metric", [

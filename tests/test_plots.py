@@ -81,7 +81,7 @@ def test_every_plot_of_methods_stands_in_this_file():
     """What is left out draws no method, or is a part of what draws one."""
     public = {name for name, plot in vars(plots).items()
               if getattr(plot, "__module__", "").startswith(plots.__name__) and not name.startswith("_")}
-    assert public == {*DRAWN} | {"gaps", "changes", "gains", "readings", "level", "coverages", "half_widths",
+    assert public == {*DRAWN} | {"differences", "changes", "gains", "readings", "level", "coverages", "half_widths",
                                  "efficiencies", "verdicts", "entries", "cost_entries", "own_and_elsewhere_entries",
                                  "share_interval", "log_ticks", "short"}
 
@@ -123,13 +123,13 @@ def test_what_is_missing_says_so():
     assert asked == [(COLOUR["adc"], [100])]
 
 
-def test_gaps_are_drawn_in_no_methods_colour_and_name_what_they_are():
-    table = pd.DataFrame([{"task": "push", "baseline": other, "gap": gap, "low": gap - 0.1, "high": gap + 0.1,
-                           "paper": 0.4} for other, gap in (("static", 0.6), ("adc", 0.3))])
-    ax = draw(plots.gaps, table, "task", ["Push"])
+def test_differences_are_drawn_in_no_methods_colour_and_name_what_they_are():
+    table = pd.DataFrame([{"task": "push", "baseline": other, "difference": value, "low": value - 0.1,
+                           "high": value + 0.1, "paper": 0.4} for other, value in (("static", 0.6), ("adc", 0.3))])
+    ax = draw(plots.differences, table, "task", ["Push"])
     drawn = {container.get_label(): (to_hex(container[0].get_color()), container[0].get_xdata()[0])
              for container in ax.containers}
-    assert {label: gap for label, (_, gap) in drawn.items()} == {"MOVE − static": 0.6, "MOVE − ADC": 0.3}
+    assert {label: value for label, (_, value) in drawn.items()} == {"MOVE − static": 0.6, "MOVE − ADC": 0.3}
     assert not {colour for colour, _ in drawn.values()} & {colour.lower() for name, colour in style.COLOURS.items()
                                                             if name in ("static", "adc", "move", "mixture")}
     assert ax.get_xlabel() == "difference of success (points)"

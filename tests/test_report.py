@@ -55,10 +55,12 @@ def test_one_seed_is_judged_by_the_noise_of_cells_with_several_and_an_agent_with
 
 def test_words_hold_after_holm():
     items = [three_methods(name, 0.2).assign(task=name) for name in "abcdefghij"]
-    gaps = differences.gap_table(pd.concat(items), "task", ("static",)).assign(low=0.01, high=0.3, gap=0.15, p=0.03)
-    gaps["holm"] = statistics.holm(gaps.p)
-    assert "not distinguishable" in differences.spoken_gap(gaps.iloc[0])
-    assert "above static on 0 of 10" in differences.spoken_gaps(gaps, differences.gap_means(pd.concat(items), "task"))
+    compared = differences.difference_table(pd.concat(items), "task", ("static",)).assign(
+        low=0.01, high=0.3, difference=0.15, p=0.03)
+    compared["holm"] = statistics.holm(compared.p)
+    assert "not distinguishable" in differences.spoken_difference(compared.iloc[0])
+    means = differences.difference_means(pd.concat(items), "task")
+    assert "above static on 0 of 10" in differences.spoken_differences(compared, means)
 
 
 def test_the_table_over_tasks_has_the_task_as_its_unit():
@@ -148,7 +150,7 @@ def test_kept_shares_name_the_tasks_with_a_limited_reach():
 # differences ---------------------------------------------------------------------------------------------------------
 
 
-def test_the_gap_is_what_a_policy_loses_away_from_its_own_grasps():
+def test_it_tells_what_a_policy_loses_away_from_its_own_grasps():
     outcomes = {("static", "grasp"): [1, 1, 1, 0], ("static", "random"): [1, 0, 0, 0], ("move", "random"): [1, 1, 0, 0]}
     episodes = pd.DataFrame([{"task": "push", "method": method, "group": group, "seed": 0, "trial": trial,
                               "success": success}
@@ -156,8 +158,8 @@ def test_the_gap_is_what_a_policy_loses_away_from_its_own_grasps():
                              for trial, success in enumerate(successes)])
     rates = tables.rate_table(episodes, ["task", "method", "group"])
     wide = tables.own_and_elsewhere(rates).set_index("method")
-    assert wide.loc["static", ["own", "elsewhere", "gap"]].tolist() == [0.75, 0.25, 0.5]
-    assert np.isnan(wide.loc["move"].gap) and wide.loc["move"].elsewhere == 0.5
+    assert wide.loc["static", ["own", "elsewhere", "lost"]].tolist() == [0.75, 0.25, 0.5]
+    assert np.isnan(wide.loc["move"].lost) and wide.loc["move"].elsewhere == 0.5
     _, ax = plt.subplots()
     plots.own_and_elsewhere(rates, ax)
     hollow = [line for line in ax.get_lines() if line.get_marker() == "o" and line.get_mfc() == "white"]
@@ -186,30 +188,32 @@ def three_methods(task: str, move: float) -> pd.DataFrame:
     return episodes({"static": 0.2, "adc": 0.5, "move": move}, seeds=3, trials=64).assign(task=task)
 
 
-def test_the_gap_table_names_the_winner_on_each_item_and_on_the_mean():
+def test_the_table_of_differences_names_the_winner_on_each_item_and_on_the_mean():
     both = pd.concat([three_methods("a", 0.95), three_methods("b", 0.2)])
-    table, means = differences.gap_table(both, "task"), differences.gap_means(both, "task")
+    table, means = differences.difference_table(both, "task"), differences.difference_means(both, "task")
     assert list(zip(table.task, table.baseline, strict=True)) == [
         ("a", "static"), ("a", "adc"), ("b", "static"), ("b", "adc")]
     assert means.baseline.tolist() == ["static", "adc"] and means["items"].tolist() == [2, 2]
     above, _, _, below = table.itertuples()
     mean = means.iloc[0]
     assert above.low > 0 and below.high < 0
-    assert mean.gap == pytest.approx(table[table.baseline == "static"].gap.mean())
-    assert "above 0" in differences.spoken_gap(table.iloc[0]) and "below 0" in differences.spoken_gap(table.iloc[3])
-    spoken = differences.spoken_gaps(table, means)
+    assert mean.difference == pytest.approx(table[table.baseline == "static"].difference.mean())
+    assert "above 0" in differences.spoken_difference(table.iloc[0])
+    assert "below 0" in differences.spoken_difference(table.iloc[3])
+    spoken = differences.spoken_differences(table, means)
     assert "above static on 1 of 2" in spoken and "below it on 1" in spoken
-    assert f"on the mean {differences.spoken_gap(mean)}" in spoken
+    assert f"on the mean {differences.spoken_difference(mean)}" in spoken
     _, ax = plt.subplots()
-    plots.gaps(table, "task", ["a", "b"], ax, means)
+    plots.differences(table, "task", ["a", "b"], ax, means)
     assert [label.get_text() for label in ax.get_yticklabels()] == ["a", "b", "mean of 2"]
-    assert ax.containers[0].lines[0].get_xdata().tolist() == [*table[table.baseline == "static"].gap, mean.gap]
+    static = table[table.baseline == "static"]
+    assert ax.containers[0].lines[0].get_xdata().tolist() == [*static.difference, mean.difference]
 
 
-def test_the_papers_gap_stands_beside_ours_on_the_same_items():
+def test_the_papers_difference_stands_beside_ours_on_the_same_items():
     both = pd.concat([three_methods("push", 0.9), three_methods("hammer", 0.9)])
-    gaps = differences.gap_table(both, "task", ("static",))
-    table = tables.with_paper(gaps, "table2_main", on=["task", "baseline"], metric="gap")
+    compared = differences.difference_table(both, "task", ("static",))
+    table = tables.with_paper(compared, "table2_main", on=["task", "baseline"], metric="difference")
     assert table.paper.tolist() == pytest.approx([0.410 - 0.163, 0.309 - 0.156])
 
 
@@ -223,9 +227,9 @@ def test_whether_the_length_of_training_matters_is_the_change_of_the_difference(
     grid = both.groupby(["task", "length", "method"]).success.mean()
     for task in ("push", "hammer"):
         change = [grid[task, length, "move"] - grid[task, length, "static"] for length in (3.0, 1 / 3)]
-        assert table.gap[task] == pytest.approx(change[0] - change[1])
+        assert table.difference[task] == pytest.approx(change[0] - change[1])
     assert table.holm["push"] < 0.05 < table.holm["hammer"]
-    assert table.gap["mean of 2"] == pytest.approx(table.gap[:2].mean())
+    assert table.difference["mean of 2"] == pytest.approx(table.difference[:2].mean())
 
 
 def test_the_length_of_a_training_is_told_in_the_recipes_own_steps():
@@ -239,19 +243,20 @@ def test_two_readings_are_compared_on_the_tasks_that_have_both():
     one = episodes({"adc": 0.9}, trials=64).assign(jumping="mended")
     other = episodes({"adc": 0.2}, trials=64).assign(jumping="as printed")
     both = pd.concat([one.assign(task="push"), other.assign(task="push"), one.assign(task="hammer")])
-    gap = differences.reading_gap(both, "jumping", "mended", "as printed")
-    assert gap["items"] == 1 and gap.gap == pytest.approx(one.success.mean() - other.success.mean()) and gap.low > 0
-    assert differences.reading_gap(both, "jumping", "periodic", "mended").empty
+    found = differences.reading_difference(both, "jumping", "mended", "as printed")
+    assert found["items"] == 1 and found.low > 0
+    assert found.difference == pytest.approx(one.success.mean() - other.success.mean())
+    assert differences.reading_difference(both, "jumping", "periodic", "mended").empty
 
 
-def test_a_method_that_is_missing_leaves_no_gap():
+def test_a_method_that_is_missing_leaves_no_difference():
     half = three_methods("a", 0.9)
-    table = differences.gap_table(half[half.method != "adc"], "task")
+    table = differences.difference_table(half[half.method != "adc"], "task")
     assert list(table.baseline) == ["static"]
-    assert differences.gap_table(half[half.method == "adc"], "task").empty
-    means = differences.gap_means(half, "task")
-    assert means.empty and differences.spoken_gaps(differences.gap_table(half[half.method == "adc"], "task"),
-                                              means) == "nothing is stored yet."
+    assert differences.difference_table(half[half.method == "adc"], "task").empty
+    means = differences.difference_means(half, "task")
+    nothing = differences.difference_table(half[half.method == "adc"], "task")
+    assert means.empty and differences.spoken_differences(nothing, means) == "nothing is stored yet."
 
 
 def test_cells_are_inside_the_circle_by_their_centre():
@@ -268,13 +273,15 @@ def test_plots_draw_one_mark_a_row_and_survive_a_missing_method():
     plots.grouped_rates(rates, "where", ["inside", "outside"], ax)
     assert len(ax.patches) == 3
     _, ax = plt.subplots()
-    plots.gaps(differences.gap_table(three_methods("a", 0.9), "task"), "task", ["a"], ax)
+    plots.differences(differences.difference_table(three_methods("a", 0.9), "task"), "task", ["a"], ax)
     assert len(ax.containers) == 2
     _, ax = plt.subplots()
-    plots.gaps(differences.gap_table(three_methods("push", 0.9), "task").assign(paper=0.2), "task", ["push"], ax)
+    table = differences.difference_table(three_methods("push", 0.9), "task").assign(paper=0.2)
+    plots.differences(table, "task", ["push"], ax)
     assert [line.get_xdata().tolist() for line in ax.lines if line.get_marker() == "D"] == [[0.2], [0.2]]
     _, ax = plt.subplots()
-    plots.gaps(differences.gap_table(three_methods("a", 0.9).query("method == 'adc'"), "task"), "task", [], ax)
+    nothing = differences.difference_table(three_methods("a", 0.9).query("method == 'adc'"), "task")
+    plots.differences(nothing, "task", [], ax)
     assert not ax.containers
 
 
@@ -319,9 +326,10 @@ def test_a_readable_table_is_in_per_cent_and_points_with_human_names_and_no_nan(
     assert list(shown) == ["Task", "Method", "Success (%)", "Each seed (%)", "Episodes", "Paper (%)"]
     assert shown.values.tolist() == [["Disassembly", "MOVE", "50.0 [40.0, 61.2]", "50.0, 33.3", "1,000", "—"],
                                      ["Pick-Place", "ADC", "100.0 [90.0, 100.0]", "100.0", "100", "44.7"]]
-    gaps = pd.DataFrame([{"baseline": "static", "gap": -0.012, "low": -0.1, "high": 0.08, "p": 0.0001, "paper": 0.08}])
-    assert tables.readable(gaps).values.tolist() == [["static", "−1.2 [−10.0, +8.0]", "<0.001", "+8.0"]]
-    assert tables.readable(gaps.iloc[:0]).values.tolist() == [["not computed yet"]]
+    compared = pd.DataFrame([{"baseline": "static", "difference": -0.012, "low": -0.1, "high": 0.08, "p": 0.0001,
+                              "paper": 0.08}])
+    assert tables.readable(compared).values.tolist() == [["static", "−1.2 [−10.0, +8.0]", "<0.001", "+8.0"]]
+    assert tables.readable(compared.iloc[:0]).values.tolist() == [["not computed yet"]]
     assert "Pick-Place" in tables.shown(table).to_html() and "NaN" not in tables.shown(table).to_html()
 
 
@@ -370,5 +378,5 @@ def test_what_is_missing_stands_in_its_place():
 
 
 def test_comparisons_are_counted_after_holm():
-    table = pd.DataFrame({"gap": [0.2, -0.2, 0.1], "holm": [0.01, 0.01, 0.5]})
+    table = pd.DataFrame({"difference": [0.2, -0.2, 0.1], "holm": [0.01, 0.01, 0.5]})
     assert differences.spoken_counts(table) == "1 of 3 are above 0, 1 below, 1 not distinguishable from it"

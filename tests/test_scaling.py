@@ -87,7 +87,7 @@ def episodes(**rates) -> pd.DataFrame:
 
 def test_each_rung_is_held_against_the_one_before_and_each_motion_alone_against_nothing():
     table = variants.step_table(episodes(nothing=0.2, object=0.3, both=0.7, camera_alone=0.5))
-    assert list(zip(table.moves, table.baseline, table.gap.round(3), strict=True)) == [
+    assert list(zip(table.moves, table.baseline, table.difference.round(3), strict=True)) == [
         ("object", "nothing", 0.1), ("both", "object", 0.4), ("camera alone", "nothing", 0.3)]
     assert (table.holm >= table.p).all()
 

@@ -23,7 +23,7 @@ STORED = paths.results(LAPTOP)
 ROUNDED = 1e-4  # of a number in a CSV file
 TRIPLE = re.compile(r"([+-]\d+)(?: points)? \[([+-]\d+), ([+-]\d+)\]"
                     r"(, above 0|, below 0|, not distinguishable from 0)?")
-DIFFERENCES = [("gap", "low", "high"), ("gain", "gain_low", "gain_high"), ("mean_difference", "low", "high"),
+DIFFERENCES = [("difference", "low", "high"), ("gain", "gain_low", "gain_high"), ("mean_difference", "low", "high"),
                ("iqm_difference", "iqm_low", "iqm_high")]
 
 
@@ -91,18 +91,18 @@ def test_a_rate_is_the_mean_of_its_seeds_and_lies_within_its_interval(name):
 
 
 GAPS = {
-    "table2_main_gaps": ("table2_main", "method", "move", ("task",)),
-    "table2_main_gaps_keypoints": ("table2_main_keypoints", "method", "move", ("task",)),
-    "table1_spatial_factors_gaps": ("table1_spatial_factors", "method", "move", ("factors",)),
-    "few_demonstrations_gaps": ("few_demonstrations", "method", "move", ("timesteps",)),
-    "fig1_sparse_gap": ("fig1_sparse", "method", "move", ()),
-    "fig3_dense_gap": ("fig3_dense", "method", "move", ()),
-    "fig3_dense_budgets_gap": ("fig3_dense_budgets", "method", "move", ("timesteps",)),
-    "fig5_circle_gaps": ("fig5_circle", "method", "move", ("where",)),
-    "keypoint_control_gaps": ("keypoint_control", "method", "move", ("timesteps",)),
-    "equal_demonstrations_gaps": ("equal_demonstrations", "method", "move", ("equal",)),
-    "fig_training_length_gaps": ("fig_training_length", "method", "move", ("task", "length")),
-    "table_keypoint_control_gaps": ("table_keypoint_control", "method", "move", ("task",)),
+    "table2_main_differences": ("table2_main", "method", "move", ("task",)),
+    "table2_main_differences_keypoints": ("table2_main_keypoints", "method", "move", ("task",)),
+    "table1_spatial_factors_differences": ("table1_spatial_factors", "method", "move", ("factors",)),
+    "few_demonstrations_differences": ("few_demonstrations", "method", "move", ("timesteps",)),
+    "fig1_sparse_difference": ("fig1_sparse", "method", "move", ()),
+    "fig3_dense_difference": ("fig3_dense", "method", "move", ()),
+    "fig3_dense_budgets_difference": ("fig3_dense_budgets", "method", "move", ("timesteps",)),
+    "fig5_circle_differences": ("fig5_circle", "method", "move", ("where",)),
+    "keypoint_control_differences": ("keypoint_control", "method", "move", ("timesteps",)),
+    "equal_demonstrations_differences": ("equal_demonstrations", "method", "move", ("equal",)),
+    "fig_training_length_differences": ("fig_training_length", "method", "move", ("task", "length")),
+    "table_keypoint_control_differences": ("table_keypoint_control", "method", "move", ("task",)),
     "fig6_dimensions_steps": ("fig6_dimensions", "moves", None, ("task",)),
     "fig7_speed_ends": ("fig7_speed", "speed", None, ("task", "part")),
     "fig_mixture_gains": ("fig_mixture", "share", None, ()),
@@ -116,39 +116,39 @@ def test_a_shipped_difference_is_the_first_rate_minus_the_second(name):
     for row in shipped(name).to_dict("records"):
         place = tuple(row[key] for key in by)
         one, other = (rates.loc[place + (value,)] for value in (first or row[column], row["baseline"]))
-        assert row["gap"] == pytest.approx(one - other, abs=3 * ROUNDED), row
-        assert row["low"] <= row["gap"] <= row["high"] and row["p"] <= row["holm"] <= 1
+        assert row["difference"] == pytest.approx(one - other, abs=3 * ROUNDED), row
+        assert row["low"] <= row["difference"] <= row["high"] and row["p"] <= row["holm"] <= 1
 
 
 def test_every_table_of_differences_is_in_the_list_or_has_no_rates_beside_it():
-    found = {path.stem for path in SHIPPED.glob("*.csv") if {"gap", "holm"} <= set(pd.read_csv(path, nrows=0))}
+    found = {path.stem for path in SHIPPED.glob("*.csv") if {"difference", "holm"} <= set(pd.read_csv(path, nrows=0))}
     means = {name for name in found if name.endswith("_mean")}
-    other = {"fig_training_length_depends", "fig_perception_gaps_rgb", "fig_perception_gaps_keypoints",
-             "generalization_gaps", "table_adc_gaps", "fig4_scaling_equal"}
+    other = {"fig_training_length_depends", "fig_perception_differences_rgb", "fig_perception_differences_keypoints",
+             "generalization_differences", "table_adc_differences", "fig4_scaling_equal"}
     assert found - means - other == {*GAPS}
 
 
-@pytest.mark.parametrize("name", ["table2_main_gaps", "table2_main_gaps_keypoints", "table_keypoint_control_gaps",
-                                  "keypoint_control_gaps"])
+@pytest.mark.parametrize("name", ["table2_main_differences", "table2_main_differences_keypoints",
+                                  "table_keypoint_control_differences", "keypoint_control_differences"])
 def test_the_mean_difference_is_the_mean_over_its_rows(name):
     for row in shipped(f"{name}_mean").itertuples():
         each = shipped(name)[shipped(name).baseline == row.baseline]
-        assert row.gap == pytest.approx(each.gap.mean(), abs=ROUNDED) and row.items == len(each)
+        assert row.difference == pytest.approx(each.difference.mean(), abs=ROUNDED) and row.items == len(each)
 
 
 @pytest.mark.parametrize("seen", ["rgb", "keypoints"])
 def test_in_perception_the_difference_is_of_the_means_of_the_same_experiment(seen):
     rates = shipped("fig_perception")
     rates = rates[rates.observation == seen].set_index(["experiment", "method"]).value
-    for row in shipped(f"fig_perception_gaps_{seen}").itertuples():
+    for row in shipped(f"fig_perception_differences_{seen}").itertuples():
         both = rates[row.experiment]
-        assert row.gap == pytest.approx(both["move"] - both["static"], abs=3 * ROUNDED)
+        assert row.difference == pytest.approx(both["move"] - both["static"], abs=3 * ROUNDED)
 
 
 def test_in_motion_the_difference_is_of_the_rates_in_motion():
     rates = shipped("generalization_rates").query("group == 'moving'").set_index(["task", "method"]).value
-    for row in shipped("generalization_gaps").itertuples():
-        assert row.gap == pytest.approx(rates[row.task, "move"] - rates[row.task, row.baseline], abs=3 * ROUNDED)
+    for row in shipped("generalization_differences").itertuples():
+        assert row.difference == pytest.approx(rates[row.task, "move"] - rates[row.task, row.baseline], abs=3 * ROUNDED)
 
 
 def test_where_the_paper_says_equal_the_difference_is_of_the_rates_at_those_budgets():
@@ -156,7 +156,7 @@ def test_where_the_paper_says_equal_the_difference_is_of_the_rates_at_those_budg
     for row in shipped("fig4_scaling_equal").itertuples():
         one = rates.get((row.task, "move", row.move_timesteps), np.nan)
         other = rates.get((row.task, "static", row.static_timesteps), np.nan)
-        assert row.gap == pytest.approx(one - other, abs=3 * ROUNDED, nan_ok=True)
+        assert row.difference == pytest.approx(one - other, abs=3 * ROUNDED, nan_ok=True)
 
 
 CAPTIONS = sorted(path.name.removesuffix(".caption.md") for path in SHIPPED.glob("*.caption.md"))

@@ -349,7 +349,7 @@ def test_the_plan_counts_a_shared_training_once(tmp_path, monkeypatch):
     profile = load_profile("laptop")
     table_2 = table_2_from_pixels(profile, seeds=1)
     gap = [run.spec for run in experiments.generalization(profile)]
-    rows = plan_rows(profile, {"table 2": table_2, "gap": gap})
+    rows = plan_rows(profile, {"table 2": table_2, "difference": gap})
     minutes = profile.minutes["rgb"]
     assert rows[0]["hours_left"] == pytest.approx(30 * minutes / 60, abs=0.01)
     assert rows[1]["missing"] == 90 and rows[1]["hours_left"] == pytest.approx(60 * TRIAL_MINUTES / 60, abs=0.01)

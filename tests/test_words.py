@@ -22,8 +22,8 @@ def cells(rates: dict[tuple, float], columns: tuple[str, ...], seeds: int = 3, t
                          for cell, rate in rates.items() for seed in range(seeds) for trial in range(trials)])
 
 
-def row(gap: float, low: float, high: float, holm: float) -> pd.Series:
-    return pd.Series({"gap": gap, "low": low, "high": high, "holm": holm})
+def row(value: float, low: float, high: float, holm: float) -> pd.Series:
+    return pd.Series({"difference": value, "low": low, "high": high, "holm": holm})
 
 
 @pytest.mark.parametrize(("given", "said"), [
@@ -33,10 +33,10 @@ def row(gap: float, low: float, high: float, holm: float) -> pd.Series:
     (row(-0.001, -0.004, 0.004, 0.9), "+0 points [+0, +0], not distinguishable from 0"),
 ])
 def test_a_difference_is_told_with_its_sign_and_the_word_that_holm_allows(given, said):
-    assert differences.spoken_gap(given) == said
+    assert differences.spoken_difference(given) == said
 
 
-@pytest.mark.parametrize(("gap", "low", "high", "published", "said"), [
+@pytest.mark.parametrize(("value", "low", "high", "published", "said"), [
     (0.2, 0.1, 0.3, 0.25, "direction and size as in the paper"),
     (-0.2, -0.3, -0.1, -0.25, "direction and size as in the paper"),
     (-0.2, -0.3, -0.1, -0.5, "direction as in the paper, size smaller"),
@@ -45,8 +45,8 @@ def test_a_difference_is_told_with_its_sign_and_the_word_that_holm_allows(given,
     (0.02, -0.1, 0.1, 0.25, "not found here"),
     (0.02, -0.1, 0.3, 0.25, "no difference shown, nor the paper's excluded"),
 ])
-def test_a_verdict_asks_for_the_direction_before_the_size(gap, low, high, published, said):
-    assert differences.verdict(gap, low, high, published) == said
+def test_a_verdict_asks_for_the_direction_before_the_size(value, low, high, published, said):
+    assert differences.verdict(value, low, high, published) == said
 
 
 def test_over_tasks_the_first_is_move_and_the_second_the_other_method():
@@ -64,8 +64,8 @@ def test_differences_at_several_budgets_stand_below_each_other_each_from_its_own
     episodes = cells({("push", "static", 1): 0.2, ("push", "move", 1): 0.7, ("push", "static", 3): 0.6,
                       ("push", "move", 3): 0.5, ("hammer", "static", 1): 0.1, ("hammer", "move", 1): 0.1},
                      ("task", "method", "length"))
-    table = differences.gaps_at(episodes, "length", "task", ("static",))
-    found = {(line.length, line.task): round(line.gap, 6) for line in table.itertuples()}
+    table = differences.differences_at(episodes, "length", "task", ("static",))
+    found = {(line.length, line.task): round(line.difference, 6) for line in table.itertuples()}
     assert found == {(1, "push"): 0.5, (1, "hammer"): 0.0, (3, "push"): -0.1}
 
 
@@ -73,9 +73,9 @@ def test_every_reading_is_held_against_the_one_as_printed_where_both_are():
     episodes = cells({("rgb", "push", "as printed"): 0.5, ("rgb", "push", "mended"): 0.4,
                       ("rgb", "hammer", "as printed"): 0.5, ("keypoints", "push", "as printed"): 0.1,
                       ("keypoints", "push", "periodic"): 0.4}, ("observation", "task", "jumping"))
-    table = differences.reading_gaps(episodes.assign(method="adc"), "observation", "jumping", "as printed",
+    table = differences.reading_differences(episodes.assign(method="adc"), "observation", "jumping", "as printed",
                                      ["mended", "periodic"])
-    found = [(line["observation"], line["jumping"], line["baseline"], line["items"], round(line["gap"], 6))
+    found = [(line["observation"], line["jumping"], line["baseline"], line["items"], round(line["difference"], 6))
              for line in table.to_dict("records")]
     assert found == [("rgb", "mended", "as printed", 1, -0.1), ("keypoints", "periodic", "as printed", 1, 0.3)]
 
@@ -84,10 +84,11 @@ def test_a_speed_is_held_against_the_one_used_everywhere_else_and_a_share_agains
     speeds = cells({("object", 0.01): 0.3, ("object", 0.03): 0.5, ("object", 0.08): 0.4, ("nothing", 0.0): 0.1,
                     ("camera", 2.0): 0.9}, ("part", "speed")).assign(task="push", method="move")
     table = variants.speed_table(speeds)
-    assert [(line.part, line.speed, line.baseline, round(line.gap, 6)) for line in table.itertuples()] == [
+    assert [(line.part, line.speed, line.baseline, round(line.difference, 6)) for line in table.itertuples()] == [
         ("object", 0.01, 0.03, -0.2), ("object", 0.08, 0.03, -0.1)]  # the camera's usual speed is not there
     shares = cells({(0.0,): 0.2, (0.5,): 0.5, (1.0,): 0.1}, ("share",)).assign(method="mixture")
-    assert [(line.share, line.baseline, round(line.gap, 6)) for line in variants.share_table(shares).itertuples()] == [
+    found = variants.share_table(shares)
+    assert [(line.share, line.baseline, round(line.difference, 6)) for line in found.itertuples()] == [
         (0.5, 0.0, 0.3), (1.0, 0.0, -0.1)]
     assert variants.share_table(shares[shares.share > 0]).empty
 
@@ -99,7 +100,7 @@ def test_what_the_paper_calls_equal_is_move_at_the_smaller_budget_minus_static_a
     table = efficiency.equal_budgets(episodes)
     assert list(table.task) == ["pick-place", "assembly"]
     assert list(table.move_timesteps) == [20_000, 50_000] and list(table.static_timesteps) == [50_000, 100_000]
-    assert table.gap[0] == pytest.approx(0.2) and table.holm[0] == table.p[0] and np.isnan(table.gap[1])
+    assert table.difference[0] == pytest.approx(0.2) and table.holm[0] == table.p[0] and np.isnan(table.difference[1])
     first, second = efficiency.spoken_equal(table).split("; ")
     assert first.startswith("Pick-Place, MOVE at 20,000 timesteps minus static at 50,000 (the paper: equal): +20 poin")
     assert first.endswith("above 0")

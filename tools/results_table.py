@@ -18,10 +18,10 @@ README = paths.ROOT / "README.md"
 def rows() -> list[str]:
     """The lines of the table's body: what, ours, the difference with its interval, seeds, the paper's, the verdict."""
     return [
-        _gap("Figure 1, nine grasp points", "fig1_sparse", "fig1_sparse_gap"),
-        _gap("Figure 3, grasp points everywhere", "fig3_dense", "fig3_dense_gap"),
-        _gap("Figure 5, inside the circle", "fig5_circle", "fig5_circle_gaps", "inside"),
-        _gap("Figure 5, outside the circle", "fig5_circle", "fig5_circle_gaps", "outside"),
+        _difference("Figure 1, nine grasp points", "fig1_sparse", "fig1_sparse_difference"),
+        _difference("Figure 3, grasp points everywhere", "fig3_dense", "fig3_dense_difference"),
+        _difference("Figure 5, inside the circle", "fig5_circle", "fig5_circle_differences", "inside"),
+        _difference("Figure 5, outside the circle", "fig5_circle", "fig5_circle_differences", "outside"),
         _factors(), _tasks("static"), _tasks("adc"),
     ]
 
@@ -47,21 +47,21 @@ def _seeds(rates: object) -> int:
     return len(str(rates).split())
 
 
-def _line(what: str, ours: tuple[float, float], gap: tuple[float, float, float], seeds: int | str,
+def _line(what: str, ours: tuple[float, float], found: tuple[float, float, float], seeds: int | str,
           published: tuple[float, float], names: str) -> str:
-    points = "{:+.0f} [{:+.0f}, {:+.0f}]".format(*(100 * value for value in gap))
+    points = "{:+.0f} [{:+.0f}, {:+.0f}]".format(*(100 * value for value in found))
     theirs = published[1] - published[0]
     return (f"| {what}: {names} | {ours[0]:.2f}, {ours[1]:.2f} | {points} points | {seeds} | {published[0]:.3f}, "
-            f"{published[1]:.3f} ({100 * theirs:+.0f}) | {verdict(*gap, theirs)} |")
+            f"{published[1]:.3f} ({100 * theirs:+.0f}) | {verdict(*found, theirs)} |")
 
 
-def _gap(what: str, rates: str, gaps: str, where: str = "") -> str:
-    ours, gap = _read(rates), _read(gaps)
+def _difference(what: str, rates: str, differences: str, where: str = "") -> str:
+    ours, found = _read(rates), _read(differences)
     if where:
-        ours, gap = ours[ours["where"] == where], gap[gap["where"] == where]
-    ours, gap = ours.set_index("method"), gap[gap.baseline == "static"].iloc[0]
+        ours, found = ours[ours["where"] == where], found[found["where"] == where]
+    ours, found = ours.set_index("method"), found[found.baseline == "static"].iloc[0]
     printed = paper.published(rates, condition=where).set_index("method").value
-    return _line(what, (ours.value["static"], ours.value["move"]), (gap.gap, gap.low, gap.high),
+    return _line(what, (ours.value["static"], ours.value["move"]), (found.difference, found.low, found.high),
                  _seeds(ours.seeds["move"]), (printed["static"], printed["move"]), "static, MOVE")
 
 
@@ -70,19 +70,19 @@ def _factors() -> str:
     ours = _read("table1_spatial_factors").query("method == 'static'").set_index("factors")
     one, every = ours.loc["object"], ours.loc["all"]
     printed = paper.published("table1_spatial_factors").set_index("condition").value
-    gap = every.value - one.value, every.low - one.high, every.high - one.low
-    return _line("Table 1", (one.value, every.value), gap, _seeds(every.seeds),
+    found = every.value - one.value, every.low - one.high, every.high - one.low
+    return _line("Table 1", (one.value, every.value), found, _seeds(every.seeds),
                  (printed["object"], printed["all"]), "static, the object random and everything random")
 
 
 def _tasks(other: str) -> str:
-    rates, gap = _read("table2_main"), _read("table2_main_gaps_mean").set_index("baseline").loc[other]
+    rates, found = _read("table2_main"), _read("table2_main_differences_mean").set_index("baseline").loc[other]
     ours, name = rates.groupby("method").value.mean(), "ADC" if other == "adc" else other
     printed = paper.published("table2_main", "mean_success").set_index("method").value
     seeds = sorted(set(rates[rates.method.isin([other, "move"])].seeds.map(_seeds)))
-    what = f"Table 2, mean of {gap['items']:.0f} tasks"
-    return _line(what, (ours[other], ours["move"]), (gap.gap, gap.low, gap.high), " to ".join(map(str, seeds)),
-                 (printed[other], printed["move"]), f"{name}, MOVE")
+    what = f"Table 2, mean of {found['items']:.0f} tasks"
+    return _line(what, (ours[other], ours["move"]), (found.difference, found.low, found.high),
+                 " to ".join(map(str, seeds)), (printed[other], printed["move"]), f"{name}, MOVE")
 
 
 if __name__ == "__main__":

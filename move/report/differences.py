@@ -18,11 +18,12 @@ from move.study.statistics.estimates import (
 )
 
 Pair = tuple[np.ndarray, np.ndarray]
+COLUMNS = ("difference", "low", "high", "p", "holm", "trainings")
 LEVEL = 0.05  # of a word such as "above": of all the words of one table together
 
 
-def gap_table(episodes: pd.DataFrame, by: str, others: tuple[str, ...] = ("static", "adc"),
-              known: TrainingNoise = UNKNOWN) -> pd.DataFrame:
+def difference_table(episodes: pd.DataFrame, by: str, others: tuple[str, ...] = ("static", "adc"),
+                     known: TrainingNoise = UNKNOWN) -> pd.DataFrame:
     """MOVE minus each other method, paired, one row a value of `by` and method: interval, p, and p after Holm.
 
     Holm's adjustment is over all values of `by`, for each other method apart. The noise of trainings is as in
@@ -34,31 +35,32 @@ def gap_table(episodes: pd.DataFrame, by: str, others: tuple[str, ...] = ("stati
     noise = training_noise(episodes, [by, "method"], known)
     rows: list[dict] = []
     for other in others:
-        rows += with_holm([{by: value, "baseline": other, **gap(difference(*pair, noise))}
+        rows += with_holm([{by: value, "baseline": other, **as_columns(difference(*pair, noise))}
                             for value, pair in _pairs(episodes, by, other)])
-    table = pd.DataFrame(rows, columns=[by, "baseline", "gap", "low", "high", "p", "holm", "trainings"])
+    table = pd.DataFrame(rows, columns=[by, "baseline", *COLUMNS])
     order = {value: place for place, value in enumerate(episodes[by].unique())}
     return table.sort_values(by, key=lambda values: values.map(order), kind="stable", ignore_index=True)
 
 
-def gaps_at(episodes: pd.DataFrame, at: str, by: str, others: tuple[str, ...] = ("static", "adc")) -> pd.DataFrame:
-    """A `gap_table` for each value of column `at` by itself, one below the other."""
-    return pd.concat([gap_table(rows, by, others).assign(**{at: value}) for value, rows in episodes.groupby(at)],
+def differences_at(episodes: pd.DataFrame, at: str, by: str,
+                   others: tuple[str, ...] = ("static", "adc")) -> pd.DataFrame:
+    """A `difference_table` for each value of column `at` by itself, one below the other."""
+    return pd.concat([difference_table(rows, by, others).assign(**{at: value}) for value, rows in episodes.groupby(at)],
                      ignore_index=True)
 
 
-def gap_means(episodes: pd.DataFrame, by: str, others: tuple[str, ...] = ("static", "adc"),
-              known: TrainingNoise = UNKNOWN) -> pd.DataFrame:
+def difference_means(episodes: pd.DataFrame, by: str, others: tuple[str, ...] = ("static", "adc"),
+                     known: TrainingNoise = UNKNOWN) -> pd.DataFrame:
     """The mean over the values of `by` of MOVE minus each other method: other trainings and configurations of these.
 
-    A method that meets MOVE on fewer than two items has no row. Arguments as for `gap_table`.
+    A method that meets MOVE on fewer than two items has no row. Arguments as for `difference_table`.
     """
     noise = training_noise(episodes, [by, "method"], known)
     rows: list[dict] = []
     for other in others:
         pairs = [pair for _, pair in _pairs(episodes, by, other)]
         rows += [{"baseline": other, **_mean(pairs, noise)}] if len(pairs) > 1 else []
-    return pd.DataFrame(rows, columns=["baseline", "items", "gap", "low", "high", "p", "holm", "trainings"])
+    return pd.DataFrame(rows, columns=["baseline", "items", *COLUMNS])
 
 
 def tasks_table(episodes: pd.DataFrame, others: tuple[str, ...] = ("static", "adc")) -> pd.DataFrame:
@@ -84,10 +86,10 @@ def _pairs(episodes: pd.DataFrame, by: str, other: str) -> list[tuple[object, Pa
     return pairs
 
 
-def reading_gap(episodes: pd.DataFrame, column: str, one: str, other: str) -> pd.Series:
+def reading_difference(episodes: pd.DataFrame, column: str, one: str, other: str) -> pd.Series:
     """Mean over the tasks that have both of the rate of variant `one` minus that of `other`; empty where none has.
 
-    The variants are named in `column`. Entries items, gap, low, high, p, holm, trainings, as in `gap_means`.
+    The variants are named in `column`. Entries items and `COLUMNS`, as in `difference_means`.
     """
     noise, pairs = training_noise(episodes, ["task", column]), []
     for _, group in episodes.groupby("task", sort=False):
@@ -96,17 +98,17 @@ def reading_gap(episodes: pd.DataFrame, column: str, one: str, other: str) -> pd
     return pd.Series(_mean(pairs, noise) if pairs else {}, dtype=object)
 
 
-def reading_gaps(episodes: pd.DataFrame, by: str, column: str, other: str, ones: list[str]) -> pd.DataFrame:
-    """`reading_gap` of each of the variants `ones` against `other` for each value of `by`, one row where both are."""
+def reading_differences(episodes: pd.DataFrame, by: str, column: str, other: str, ones: list[str]) -> pd.DataFrame:
+    """`reading_difference` of each of the variants `ones` against `other`, one row a value of `by` that has both."""
     rows = [{by: value, column: one, "baseline": other, **found} for value, part in episodes.groupby(by, sort=False)
-            for one in ones if len(found := reading_gap(part, column, one, other))]
-    return pd.DataFrame(rows, columns=[by, column, "baseline", "items", "gap", "low", "high", "p", "holm", "trainings"])
+            for one in ones if len(found := reading_difference(part, column, one, other))]
+    return pd.DataFrame(rows, columns=[by, column, "baseline", "items", *COLUMNS])
 
 
 def length_matters(episodes: pd.DataFrame) -> pd.DataFrame:
     """MOVE minus static at the longest training minus the same at the shortest: one row a task, and their mean.
 
-    Columns task ("mean of n" last), gap (that change), low, high, p, holm, trainings. The noise of trainings is pooled
+    Columns task ("mean of n" last), then `COLUMNS`, of that change. The noise of trainings is pooled
     over all cells; a difference of two methods has twice that of one.
 
     Args:
@@ -121,17 +123,17 @@ def length_matters(episodes: pd.DataFrame) -> pd.DataFrame:
         if all((method, length) in cells for method in ("static", "move") for length in ends):
             late, early = (cells["move", length] - cells["static", length] for length in ends)
             pairs[task] = late, early
-    rows = with_holm([{"task": task, **gap(difference(*pair, noise))} for task, pair in pairs.items()])
+    rows = with_holm([{"task": task, **as_columns(difference(*pair, noise))} for task, pair in pairs.items()])
     if len(pairs) > 1:
         rows.append({"task": f"mean of {len(pairs)}", **_mean(list(pairs.values()), noise)})
-    return pd.DataFrame(rows, columns=["task", "gap", "low", "high", "p", "holm", "trainings"])
+    return pd.DataFrame(rows, columns=["task", *COLUMNS])
 
 
-def spoken_gap(row: pd.Series) -> str:
-    """A row of `gap_table` in words: "+12 points [+3, +21], above 0"; the word holds after Holm's adjustment."""
+def spoken_difference(row: pd.Series) -> str:
+    """A row of `difference_table` in words: "+12 points [+3, +21], above 0"; the word holds after Holm's adjustment."""
     clear = row.holm < LEVEL
-    verdict = "not distinguishable from 0" if not clear else "above 0" if row.gap > 0 else "below 0"
-    return f"{_points(row.gap)} points [{_points(row.low)}, {_points(row.high)}], {verdict}"
+    verdict = "not distinguishable from 0" if not clear else "above 0" if row.difference > 0 else "below 0"
+    return f"{_points(row.difference)} points [{_points(row.low)}, {_points(row.high)}], {verdict}"
 
 
 def _points(difference: float) -> str:
@@ -139,35 +141,35 @@ def _points(difference: float) -> str:
     return f"{round(100 * difference):+d}"
 
 
-def verdict(gap: float, low: float, high: float, published: float) -> str:
+def verdict(difference: float, low: float, high: float, published: float) -> str:
     """What a difference with its 95 % interval says about the paper's: its direction first, then its size."""
     if low <= 0 <= high:
         return "no difference shown, nor the paper's excluded" if low <= published <= high else "not found here"
-    if (gap > 0) != (published > 0):
+    if (difference > 0) != (published > 0):
         return "opposite direction"
     if low <= published <= high:
         return "direction and size as in the paper"
-    return f"direction as in the paper, size {'smaller' if abs(gap) < abs(published) else 'larger'}"
+    return f"direction as in the paper, size {'smaller' if abs(difference) < abs(published) else 'larger'}"
 
 
 def spoken_counts(table: pd.DataFrame) -> str:
     """Of comparisons with a column holm, how many are above 0 and how many below, in words."""
     clear = table[table.holm < LEVEL]
-    above = int((clear.gap > 0).sum())
+    above = int((clear.difference > 0).sum())
     return (f"{above} of {len(table)} are above 0, {len(clear) - above} below, {len(table) - len(clear)} not "
             "distinguishable from it")
 
 
-def spoken_gaps(table: pd.DataFrame, means: pd.DataFrame) -> str:
-    """A `gap_table` and its `gap_means` in words: on how many items MOVE is above each other method, and the mean."""
+def spoken_differences(table: pd.DataFrame, means: pd.DataFrame) -> str:
+    """A `difference_table` and its `difference_means` in words: where MOVE is above each other method, and the mean."""
     sentences = []
     for other, each in table.groupby("baseline", sort=False):
         clear, mean = each[each.holm < LEVEL], means[means.baseline == other]
-        above = (clear.gap > 0).sum()
+        above = (clear.difference > 0).sum()
         sentences.append(
             f"After Holm's adjustment MOVE is above {NAMES[other]} on {above} of {len(each)}, below it on "
             f"{len(clear) - above}, and not distinguishable on {len(each) - len(clear)}"
-            + (f"; on the mean {spoken_gap(mean.iloc[0])}" if len(mean) else "") + "."
+            + (f"; on the mean {spoken_difference(mean.iloc[0])}" if len(mean) else "") + "."
         )
     return " ".join(sentences) or "nothing is stored yet."
 
@@ -183,15 +185,16 @@ def spoken_tasks(table: pd.DataFrame) -> str:
         for row in table.itertuples()) or "Fewer than three tasks are stored."
 
 
-def gap(found: Estimate) -> dict[str, float | str]:
-    """A difference as columns: gap, low, high, p, trainings."""
-    return {"gap": found.value, "low": found.low, "high": found.high, "p": found.p_value, "trainings": found.trainings}
+def as_columns(found: Estimate) -> dict[str, float | str]:
+    """A difference as columns: all of `COLUMNS` but holm."""
+    return {"difference": found.value, "low": found.low, "high": found.high, "p": found.p_value,
+            "trainings": found.trainings}
 
 
 def _mean(pairs: list[Pair], noise: TrainingNoise) -> dict:
-    """What a row of `gap_means` says of the mean over pairs; it is one comparison, and Holm leaves it as it is."""
+    """A row of `difference_means`: the mean over pairs; it is one comparison, and Holm leaves it as it is."""
     mean = mean_difference(pairs, noise)
-    return {"items": len(pairs), **gap(mean), "holm": mean.p_value}
+    return {"items": len(pairs), **as_columns(mean), "holm": mean.p_value}
 
 
 def with_holm(rows: list[dict]) -> list[dict]:

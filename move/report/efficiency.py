@@ -6,14 +6,14 @@ import numpy as np
 import pandas as pd
 
 from move.paper import published
-from move.report.differences import gap, spoken_gap, with_holm
+from move.report.differences import COLUMNS, as_columns, spoken_difference, with_holm
 from move.sim.tasks import TASKS, get_task
 from move.study.statistics.cells import successes, training_noise
 from move.study.statistics.data_efficiency import Efficiency, data_efficiency
 from move.study.statistics.estimates import UNKNOWN, TrainingNoise, difference
 
-COLUMNS = ["task", "timesteps", "ratio", "low", "high", "least", "most"]
-EQUAL = ["task", "move_timesteps", "static_timesteps", "gap", "low", "high", "p", "holm", "trainings"]
+EFFICIENCY = ["task", "timesteps", "ratio", "low", "high", "least", "most"]
+EQUAL = ["task", "move_timesteps", "static_timesteps", *COLUMNS]
 
 
 def efficiency_table(episodes: pd.DataFrame, most_timesteps: int, known: TrainingNoise = UNKNOWN) -> pd.DataFrame:
@@ -33,7 +33,7 @@ def efficiency_table(episodes: pd.DataFrame, most_timesteps: int, known: Trainin
         if min(len(static), len(move)) > 1 and budget in move:
             found = data_efficiency(static, move, budget, noise)
             rows.append({"task": task, "timesteps": budget, **vars(found)})
-    return pd.DataFrame(rows, columns=COLUMNS)
+    return pd.DataFrame(rows, columns=EFFICIENCY)
 
 
 def spoken_efficiency(table: pd.DataFrame) -> str:
@@ -68,7 +68,7 @@ def equal_budgets(episodes: pd.DataFrame, known: TrainingNoise = UNKNOWN) -> pd.
             (episodes.task == task) & (episodes.method == method) & (episodes.timesteps == budgets[method])])]
         row = {"task": task, "move_timesteps": budgets.move, "static_timesteps": budgets.static}
         if len(cells) == 2:
-            computed.append({**row, **gap(difference(cells[0], cells[1], noise))})
+            computed.append({**row, **as_columns(difference(cells[0], cells[1], noise))})
         else:
             missing.append(row)
     return pd.DataFrame(with_holm(computed) + missing, columns=EQUAL)
@@ -78,7 +78,7 @@ def spoken_equal(table: pd.DataFrame) -> str:
     """A table of `equal_budgets` in words: each pair of budgets with what came out, or that it is missing."""
     return "; ".join(
         f"{TASKS[row.task].title}, MOVE at {row.move_timesteps:,} timesteps minus static at {row.static_timesteps:,} "
-        f"(the paper: equal): {spoken_gap(row) if pd.notna(row.gap) else 'not computed yet'}"
+        f"(the paper: equal): {spoken_difference(row) if pd.notna(row.difference) else 'not computed yet'}"
         for _, row in table.iterrows())
 
 

@@ -83,7 +83,7 @@ COLUMNS: dict[str, tuple[str, Cell]] = {
     "timesteps": ("Timesteps", _count), "move_timesteps": ("Timesteps, MOVE", _count),
     "static_timesteps": ("Timesteps, static", _count), "value": ("Success (%)", _percent),
     "seeds": ("Each seed (%)", _seeds), "episodes": ("Episodes", _count), "trainings": ("Training noise", str),
-    "gap": ("Difference (points)", _points), "p": ("p", _probability), "holm": ("p, Holm", _probability),
+    "difference": ("Difference (points)", _points), "p": ("p", _probability), "holm": ("p, Holm", _probability),
     "items": ("Items", _count), "tasks": ("Tasks", _count), "where": ("Where", str),
     "factors": ("Random", _named(all="object, target, hand, camera", **{"object+target": "object, target, hand"})),
     "moves": ("What moves", _moves), "part": ("Whose speed", _named(nothing="static")), "speed": ("Speed", _plain),
@@ -92,7 +92,7 @@ COLUMNS: dict[str, tuple[str, Cell]] = {
     "observation": ("From", _named(rgb="pixels")), "jumping": ("Reading of ADC", str),
     "group": ("Tried", _named(random="elsewhere", grasp="at its own grasps", moving="elsewhere, in motion")),
     "own": ("At its own grasps (%)", _percent), "elsewhere": ("Elsewhere (%)", _percent),
-    "in_motion": ("Elsewhere, in motion (%)", _percent),
+    "lost": ("Lost elsewhere (points)", _points), "in_motion": ("Elsewhere, in motion (%)", _percent),
     "object": ("Object (%)", _percent), "target": ("Target (%)", _percent), "camera": ("Camera (%)", _percent),
     "change": ("Change", str), "train_minutes": ("Minutes", _number), "loss": ("Loss", lambda value: f"{value:.4f}"),
     "gain": ("Gain (points)", _points), "collect": ("Collect", _number), "train": ("Train", _number),
@@ -108,15 +108,15 @@ COLUMNS: dict[str, tuple[str, Cell]] = {
     "mean_difference": ("Mean (points)", _points), "iqm_first": ("IQM, MOVE (%)", _percent),
     "iqm_second": ("IQM, other (%)", _percent), "iqm_difference": ("IQM (points)", _points),
     "improvement": ("MOVE better (%)", _percent), "p_value": ("p", _probability), "rate": ("Success (%)", _percent),
-    "difference": ("Difference (points)", _points), "number": ("No.", str), "claim": ("Claim", str),
+    "number": ("No.", str), "claim": ("Claim", str),
     "first": ("First", str), "second": ("Second", str), "fisher": ("p, Fisher", _probability),
     "barnard": ("p, Barnard", _probability), "base": ("Base (%)", _percent), "trials": ("Trials", _count),
     "detectable_rise": ("Found rise (points)", _points), "rate_needed": ("Rate needed (%)", _percent),
 }
 """A column's heading and how its cells are written; another column is shown as it is."""
 
-INTERVALS = {"value": ("low", "high"), "gap": ("low", "high"), "ratio": ("low", "high"), "rate": ("low", "high"),
-             "difference": ("low", "high"), "generation_rate": ("low", "high"), "mean_difference": ("low", "high"),
+INTERVALS = {"value": ("low", "high"), "difference": ("low", "high"), "ratio": ("low", "high"), "rate": ("low", "high"),
+             "generation_rate": ("low", "high"), "mean_difference": ("low", "high"),
              "gain": ("gain_low", "gain_high"), "improvement": ("improvement_low", "improvement_high"),
              "iqm_difference": ("iqm_low", "iqm_high")}
 """Whose interval stands in which columns."""
@@ -144,15 +144,14 @@ def readable(table: pd.DataFrame) -> pd.DataFrame:
 
 def _by_company(table: pd.DataFrame) -> dict[str, tuple[str, Cell]]:
     """The columns whose meaning hangs on what stands beside them."""
-    paper: tuple[str, Cell] = ("Paper (points)", _points) if "gap" in table else (
+    paper: tuple[str, Cell] = ("Paper (points)", _points) if "difference" in table else (
         ("Paper (%)", _percent) if "value" in table else ("Paper, timesteps", _count))
-    lost = {"gap": ("Lost elsewhere (points)", _points)} if "own" in table else {}
     than = {"baseline": ("Against (%)", _percent)} if "share" in table else (
         {"baseline": ("Against", _moves)} if "moves" in table else {})
     if "paper" in table and not pd.api.types.is_numeric_dtype(table["paper"]):
         paper = ("Paper", str)  # a profile's name is "paper", too
     seeds = {"seeds": ("Seeds", _count)} if "seeds" in table and table.seeds.map(type).ne(list).all() else {}
-    return {"paper": paper, **lost, **than, **seeds}
+    return {"paper": paper, **than, **seeds}
 
 
 def _cell(cell: Cell, value: Any, low: Any = None, high: Any = None) -> str:

@@ -52,7 +52,7 @@ def with_paper(table: pd.DataFrame, experiment: str, on: list[str], metric: str 
     Args:
         on: the columns of `table` that tell rows apart in the paper: its task, method or baseline; one column of
             another name holds the paper's condition.
-        metric: as in `move.paper.PAPER`, or "gap" for MOVE's success minus that of the method in column `baseline`.
+        metric: as in `move.paper.PAPER`, or "difference": MOVE's success minus that of the method in column `baseline`.
         column: the name of the new column.
         where: what else the paper's rows must be, such as condition="simulation".
 
@@ -141,8 +141,8 @@ def recipe_table(results: list[Result]) -> pd.DataFrame:
         training = result.training or {"curve": [[0, np.nan]]}
         outcomes = _outcomes(result)
         rate = success_rate(outcomes)
-        gap = difference(outcomes, chosen[timesteps]) if timesteps in chosen else None
-        gain = (gap.value, gap.low, gap.high) if gap else (np.nan,) * 3
+        found = difference(outcomes, chosen[timesteps]) if timesteps in chosen else None
+        gain = (found.value, found.low, found.high) if found else (np.nan,) * 3
         rows.append({"timesteps": timesteps, "change": change,
                      "train_minutes": result.seconds["train"] / 60, "loss": training["curve"][-1][1],
                      "value": rate.value, "low": rate.low, "high": rate.high, "episodes": rate.episodes,
@@ -156,7 +156,7 @@ def _outcomes(result: Result) -> np.ndarray:
 
 
 def own_and_elsewhere(rates: pd.DataFrame) -> pd.DataFrame:
-    """One row a task and method: rates at its own grasps, elsewhere, and elsewhere in motion; `gap` is what is lost.
+    """One row a task and method: rates at its own grasps, elsewhere (what is `lost`), and elsewhere in motion.
 
     Args:
         rates: as `rate_table` gives them by task, method and group ("grasp", "random" or "moving"); a missing one
@@ -165,7 +165,7 @@ def own_and_elsewhere(rates: pd.DataFrame) -> pd.DataFrame:
     keys, names = ["task", "method"], {"grasp": "own", "random": "elsewhere", "moving": "in_motion"}
     wide = rates.pivot(index=keys, columns="group", values="value").reindex(columns=list(names))
     wide = rates[keys].drop_duplicates().join(wide, on=keys).rename(columns=names)
-    return wide.assign(gap=wide.own - wide.elsewhere).reset_index(drop=True)
+    return wide.assign(lost=wide.own - wide.elsewhere).reset_index(drop=True)
 
 
 def collection_costs(results: list[Result]) -> pd.DataFrame:

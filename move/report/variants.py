@@ -1,7 +1,7 @@
 """Variants of one method against each other: what moves, how fast, how much of the data; as tables.
 
-Each table has the columns of `move.report.differences.gap_table`, with the variant, and the one that it is held against
-in the column `baseline`. Holm's adjustment is over the rows of one task (and of one part, for speeds).
+Each table has the columns of `move.report.differences.difference_table`, with the variant, and the one that it is held
+against in the column `baseline`. Holm's adjustment is over the rows of one task (and of one part, for speeds).
 """
 
 from __future__ import annotations
@@ -11,13 +11,13 @@ from collections.abc import Iterable
 import numpy as np
 import pandas as pd
 
-from move.report.differences import gap, with_holm
+from move.report.differences import COLUMNS, as_columns, with_holm
 from move.study.statistics.cells import successes, training_noise
 from move.study.statistics.estimates import UNKNOWN, TrainingNoise, difference
 
 USUAL = {"object": 0.03, "target": 0.03, "camera": 1.0}
 """The speeds used everywhere else: metres per step, and degrees per step of the camera."""
-COMPARED = ("baseline", "gap", "low", "high", "p", "holm", "trainings")
+COMPARED = ("baseline", *COLUMNS)
 
 
 def step_table(episodes: pd.DataFrame, noise: TrainingNoise = UNKNOWN) -> pd.DataFrame:
@@ -53,5 +53,5 @@ def _compared(
     cells: dict[object, np.ndarray] = {value: successes(rows) for value, rows in episodes.groupby(column)}
     noise = training_noise(episodes, [column, "method"], known)
     there = [pair for pair in pairs if set(pair) <= set(cells)]
-    return with_holm([{**named, column: one, "baseline": other, **gap(difference(cells[one], cells[other], noise))}
-                      for one, other in there])
+    return with_holm([{**named, column: one, "baseline": other,
+                       **as_columns(difference(cells[one], cells[other], noise))} for one, other in there])

@@ -184,30 +184,30 @@ FIGURES = {
 }
 
 _RATES = "Success in per cent with 95 % intervals, which know how trainings and configurations differ."
-_GAPS = ("MOVE minus another method in points, paired by configuration, with 95 % intervals; p after Holm's adjustment "
-         "is over the rows of one comparison.")
+_DIFFERENCES = ("MOVE minus another method in points, paired by configuration, with 95 % intervals; p after Holm's "
+                "adjustment is over the rows of one comparison.")
 _COSTS = "Minutes that a run takes, median, one core."
 _SAME = "With the hand always in one place at the start."
 
 TABLES = {
     "claims": "The paper's claims, each with its verdict and the evidence.",
     "equal_demonstrations": f"Equal timesteps and equal demonstrations, Pick-Place. {_RATES}",
-    "equal_demonstrations_gaps": f"Equal timesteps and equal demonstrations. {_GAPS}",
+    "equal_demonstrations_differences": f"Equal timesteps and equal demonstrations. {_DIFFERENCES}",
     "equal_demonstrations_made": "Demonstrations in a data set, mean of the seeds.",
     "few_demonstrations": f"Figure 1 with fewer demonstrations: the whole space. {_RATES}",
     "few_demonstrations_points": f"Figure 1 with fewer demonstrations: at the nine grasp points themselves. {_RATES}",
-    "few_demonstrations_gaps": f"Figure 1 with fewer demonstrations: the whole space. {_GAPS}",
+    "few_demonstrations_differences": f"Figure 1 with fewer demonstrations: the whole space. {_DIFFERENCES}",
     "few_demonstrations_made": "Figure 1 with fewer demonstrations: how many there are, means of the seeds.",
     "fig1_sparse": f"Figure 1: nine grasp points, the whole space. {_RATES}",
     "fig1_sparse_points": f"Figure 1: at the nine grasp points themselves. {_RATES}",
-    "fig1_sparse_gap": f"Figure 1: the whole space. {_GAPS}",
+    "fig1_sparse_difference": f"Figure 1: the whole space. {_DIFFERENCES}",
     "fig1_sparse_identical_starts": f"Figure 1. {_SAME} {_RATES}",
     "fig1_sparse_costs": f"Figure 1. {_COSTS}",
     "fig2_overview": "Figure 2: share of the cells of each range that the demonstrations visit, in per cent.",
     "fig3_dense": f"Figure 3: grasp points everywhere, the whole space. {_RATES}",
-    "fig3_dense_gap": f"Figure 3: the whole space. {_GAPS}",
+    "fig3_dense_difference": f"Figure 3: the whole space. {_DIFFERENCES}",
     "fig3_dense_budgets": f"Figure 3: smaller budgets. {_RATES}",
-    "fig3_dense_budgets_gap": f"Figure 3: smaller budgets. {_GAPS}",
+    "fig3_dense_budgets_difference": f"Figure 3: smaller budgets. {_DIFFERENCES}",
     "fig3_dense_identical_starts": f"Figure 3. {_SAME} {_RATES}",
     "fig3_dense_costs": f"Figure 3. {_COSTS}",
     "fig4_scaling": f"Figure 4: success against the amount of data. {_RATES}",
@@ -217,7 +217,7 @@ TABLES = {
                           "with 95 % intervals.",
     "fig5_circle": f"Figure 5: inside and outside of the circle. {_RATES}",
     "fig5_circle_points": f"Figure 5: at the twenty grasp points themselves. {_RATES}",
-    "fig5_circle_gaps": f"Figure 5: inside and outside of the circle. {_GAPS}",
+    "fig5_circle_differences": f"Figure 5: inside and outside of the circle. {_DIFFERENCES}",
     "fig5_circle_identical_starts": f"Figure 5. {_SAME} {_RATES}",
     "fig5_circle_costs": f"Figure 5. {_COSTS}",
     "fig6_dimensions": f"Figure 6: what has to move. {_RATES}",
@@ -230,31 +230,32 @@ TABLES = {
     "fig_training_length": f"Length of training. {_RATES}",
     "fig_training_length_depends": "MOVE minus static at the longest training, minus the same at the shortest; in "
                                    "points, with 95 % intervals.",
-    "fig_training_length_gaps": f"At each length of training. {_GAPS}",
+    "fig_training_length_differences": f"At each length of training. {_DIFFERENCES}",
     "fig_coverage": f"Success, and shares of cells that the data visit in their first timesteps. {_RATES}",
     "fig_perception": f"Figures 1, 3 and 5 and table 1, from pixels and from keypoints. {_RATES}",
-    "fig_perception_gaps_rgb": f"Figures 1, 3 and 5 and table 1, from pixels. {_GAPS}",
-    "fig_perception_gaps_keypoints": f"Figures 1, 3 and 5 and table 1, from keypoints, perception given. {_GAPS}",
+    "fig_perception_differences_rgb": f"Figures 1, 3 and 5 and table 1, from pixels. {_DIFFERENCES}",
+    "fig_perception_differences_keypoints": "Figures 1, 3 and 5 and table 1, from keypoints, perception given. "
+                                            f"{_DIFFERENCES}",
     "generalization": "Success in per cent at a policy's own grasps, elsewhere, and elsewhere in motion; what is lost "
                       "from own grasps to elsewhere in points.",
     "generalization_rates": f"The same with intervals. {_RATES}",
-    "generalization_gaps": f"In motion. {_GAPS}",
+    "generalization_differences": f"In motion. {_DIFFERENCES}",
     "keypoint_control": f"From keypoints: Pick-Place, perception given. {_RATES}",
-    "keypoint_control_gaps": f"From keypoints: Pick-Place, perception given. {_GAPS}",
-    "keypoint_control_gaps_mean": f"From keypoints: Pick-Place, mean of the budgets. {_GAPS}",
+    "keypoint_control_differences": f"From keypoints: Pick-Place, perception given. {_DIFFERENCES}",
+    "keypoint_control_differences_mean": f"From keypoints: Pick-Place, mean of the budgets. {_DIFFERENCES}",
     "rollouts": "The episodes shown, how they ended here and in the evaluation.",
     "statistics": "Simulated studies: share in per cent of nominal 95 % intervals that hold the true rate, and half "
                   "their width in points.",
     "table1_spatial_factors": f"Table 1: what is random, Pick-Place. {_RATES}",
-    "table1_spatial_factors_gaps": f"Table 1: what is random. {_GAPS}",
+    "table1_spatial_factors_differences": f"Table 1: what is random. {_DIFFERENCES}",
     "table1_spatial_factors_costs": f"Table 1. {_COSTS}",
     "table2_main": "Table 2: success in per cent from pixels with 95 % intervals, the paper's beside it, the expert "
                    "(ceiling) and an expert that is told a wrong target (floor).",
     "table2_main_keypoints": f"Table 2 from keypoints, perception given. {_RATES}",
-    "table2_main_gaps": f"Table 2 from pixels. {_GAPS}",
-    "table2_main_gaps_mean": f"Table 2 from pixels, mean of the tasks. {_GAPS}",
-    "table2_main_gaps_keypoints": f"Table 2 from keypoints. {_GAPS}",
-    "table2_main_gaps_keypoints_mean": f"Table 2 from keypoints, mean of the tasks. {_GAPS}",
+    "table2_main_differences": f"Table 2 from pixels. {_DIFFERENCES}",
+    "table2_main_differences_mean": f"Table 2 from pixels, mean of the tasks. {_DIFFERENCES}",
+    "table2_main_differences_keypoints": f"Table 2 from keypoints. {_DIFFERENCES}",
+    "table2_main_differences_keypoints_mean": f"Table 2 from keypoints, mean of the tasks. {_DIFFERENCES}",
     "table2_main_over_tasks": "Table 2 from pixels with the task as the unit: means and interquartile means in points "
                               "and per cent, and the probability that MOVE is better on a task, in per cent.",
     "table2_main_over_tasks_keypoints": "Table 2 from keypoints with the task as the unit, as above.",
@@ -269,12 +270,12 @@ TABLES = {
     "table6_collection_kept": "Share of random configurations that a task's reach and clearance filter keeps.",
     "table_adc": f"Three readings of ADC. {_RATES}",
     "table_adc_means": "Three readings of ADC: means over the tasks.",
-    "table_adc_gaps": "Readings of ADC minus the one as printed, means over the tasks that have both; in points, with "
-                      "95 % intervals.",
+    "table_adc_differences": "Readings of ADC minus the one as printed, means over the tasks that have both; in "
+                             "points, with 95 % intervals.",
     "table_keypoint_control": "From keypoints, perception given: success in per cent with 95 % intervals, the expert "
                               "(ceiling) and an expert that is told a wrong goal (floor).",
-    "table_keypoint_control_gaps": f"From keypoints. {_GAPS}",
-    "table_keypoint_control_gaps_mean": f"From keypoints, mean of the tasks. {_GAPS}",
+    "table_keypoint_control_differences": f"From keypoints. {_DIFFERENCES}",
+    "table_keypoint_control_differences_mean": f"From keypoints, mean of the tasks. {_DIFFERENCES}",
     "table_keypoint_control_over_tasks": "From keypoints with the task as the unit: means and interquartile means in "
                                          "points and per cent, and the probability that MOVE is better on a task, in "
                                          "per cent.",

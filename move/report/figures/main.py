@@ -14,13 +14,13 @@ from move.report.style import COLUMN_WIDTH, NAMES, PAGE_WIDTH, titles
 from move.sim.tasks import TASKS
 
 
-def table2_main(rates: pd.DataFrame, given: pd.DataFrame, controls: pd.DataFrame, gaps: pd.DataFrame,
+def table2_main(rates: pd.DataFrame, given: pd.DataFrame, controls: pd.DataFrame, differences: pd.DataFrame,
                 means: pd.DataFrame) -> Figure:
     """Ten tasks from pixels and from keypoints, and the differences from pixels.
 
     Args:
         rates, given: as `plots.task_rates` takes them, from pixels and from keypoints.
-        gaps, means: as `plots.gaps` takes them, from pixels.
+        differences, means: as `plots.differences` takes them, from pixels.
     """
     figure, axes = plt.subplots(3, 1, figsize=(PAGE_WIDTH, 7.2), height_ratios=[1, 0.85, 1.35])
     plots.task_rates(rates, controls, axes[0])
@@ -28,7 +28,7 @@ def table2_main(rates: pd.DataFrame, given: pd.DataFrame, controls: pd.DataFrame
     axes[0].tick_params(labelbottom=False)
     handles, _ = axes[0].get_legend_handles_labels()
     figure.legend(handles=handles, ncol=6, loc="outside upper center")
-    plots.gaps(gaps, "task", [TASKS[name].title for name in gaps.task.unique()], axes[2], means)
+    plots.differences(differences, "task", [TASKS[name].title for name in differences.task.unique()], axes[2], means)
     handles, _ = axes[2].get_legend_handles_labels()
     handles = sorted(handles, key=lambda handle: handle.get_label().endswith("paper"))
     axes[2].legend(handles=handles, ncol=2, loc="lower right", bbox_to_anchor=(1, 1))  # above: bars fill the panel

@@ -98,7 +98,7 @@ def fig5_circle(episodes: pd.DataFrame, rates: pd.DataFrame) -> Figure:
     return figure
 
 
-def table1_spatial_factors(rates: pd.DataFrame, gaps: pd.DataFrame, labels: Mapping[str, str]) -> Figure:
+def table1_spatial_factors(rates: pd.DataFrame, differences: pd.DataFrame, labels: Mapping[str, str]) -> Figure:
     """Static beside MOVE as more is random, and their difference.
 
     Args:
@@ -110,6 +110,6 @@ def table1_spatial_factors(rates: pd.DataFrame, gaps: pd.DataFrame, labels: Mapp
     axes[0].set_xlabel("what is random")
     handles, _ = axes[0].get_legend_handles_labels()
     figure.legend(handles=[*handles, seed_dot()], ncol=4, loc="outside upper center")
-    plots.gaps(gaps, "factors", [labels[name] for name in gaps.factors.unique()], axes[1])
+    plots.differences(differences, "factors", [labels[name] for name in differences.factors.unique()], axes[1])
     titles(axes, ["success", "MOVE minus static"])
     return figure

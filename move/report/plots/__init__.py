@@ -16,9 +16,9 @@ from move.report.plots.points import (
     READINGS,
     changes,
     covered,
+    differences,
     efficiencies,
     gains,
-    gaps,
     own_and_elsewhere,
     own_and_elsewhere_entries,
     readings,
@@ -27,7 +27,7 @@ from move.report.plots.points import (
 
 __all__ = [
     "READINGS", "changes", "cost_entries", "costs", "coverages", "covered", "curve", "efficiencies", "entries", "gains",
-    "gaps", "grouped_rates", "half_widths", "ladder", "level", "log_ticks", "own_and_elsewhere",
+    "differences", "grouped_rates", "half_widths", "ladder", "level", "log_ticks", "own_and_elsewhere",
     "own_and_elsewhere_entries", "printed_points", "rates", "readings", "share_interval", "short", "task_rates",
     "verdicts",
 ]

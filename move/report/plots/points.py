@@ -17,13 +17,13 @@ from move.sim.tasks import TASKS
 READINGS = {"as printed": "#999999", "mended": "#56B4E9", "periodic": "#CC79A7"}
 
 
-def gaps(table: pd.DataFrame, by: str, labels: list[str], ax: Axes, means: pd.DataFrame | None = None) -> None:
+def differences(table: pd.DataFrame, by: str, labels: list[str], ax: Axes, means: pd.DataFrame | None = None) -> None:
     """Differences MOVE minus another method with intervals, 0 marked; a column `paper` as diamonds.
 
     Args:
-        table: as `move.report.differences.gap_table` gives it.
+        table: as `move.report.differences.difference_table` gives it.
         labels: what to call the values of `by`, in their order.
-        means: as `move.report.differences.gap_means` gives them: drawn below the last item, under a line.
+        means: as `move.report.differences.difference_means` gives them: drawn below the last item, under a line.
     """
     if means is not None and len(means):
         names = [f"mean of {items}" for items in means["items"]]
@@ -35,8 +35,9 @@ def gaps(table: pd.DataFrame, by: str, labels: list[str], ax: Axes, means: pd.Da
         rows = table[table.baseline == other]
         places = np.array([values.index(value) for value in rows[by]]) + (place - (len(others) - 1) / 2) * 0.4
         colour, marker = DIFFERENCES[other]
-        ax.errorbar(rows.gap, places, xerr=[rows.gap - rows.low, rows.high - rows.gap], fmt=marker, ms=3.5, lw=1,
-                    capsize=1.5, color=colour, label=f"MOVE \N{MINUS SIGN} {NAMES[other]}")
+        ends = [rows.difference - rows.low, rows.high - rows.difference]
+        ax.errorbar(rows.difference, places, xerr=ends, fmt=marker, ms=3.5, lw=1, capsize=1.5, color=colour,
+                    label=f"MOVE \N{MINUS SIGN} {NAMES[other]}")
         if "paper" in rows:
             ax.plot(rows.paper, places, "D", ms=3.5, mew=0.9, color=colour, mfc="white", zorder=4, clip_on=False,
                     label=f"MOVE \N{MINUS SIGN} {NAMES[other]}, paper")

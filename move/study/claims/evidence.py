@@ -52,8 +52,8 @@ class Evidence:
             return self.missing(what, experiment, where)
         return _finding(what, success_rate(1 - successes(rows), self._noise(experiment)), rows, above, float("nan"))
 
-    def gap(self, what: str, experiment: str, one: Where, other: Where, paper: float = float("nan"),
-            above: float = 0.0) -> Item:
+    def difference(self, what: str, experiment: str, one: Where, other: Where, paper: float = float("nan"),
+                   above: float = 0.0) -> Item:
         """The success rate where `one` holds minus that where `other` does, paired by configuration."""
         first, second = self._rows(experiment, one), self._rows(experiment, other)
         if first.empty or second.empty:
@@ -62,8 +62,8 @@ class Evidence:
         found = difference(successes(first), successes(second), self._noise(experiment))
         return _finding(what, found, pd.concat([first, second]), above, paper)
 
-    def mean_gap(self, what: str, experiment: str, tasks: list[str], one: Where, other: Where,
-                 paper: float = float("nan")) -> Item:
+    def mean_difference(self, what: str, experiment: str, tasks: list[str], one: Where, other: Where,
+                        paper: float = float("nan")) -> Item:
         """The mean over `tasks` of such a difference."""
         pairs = [(self._rows(experiment, {"task": task, **one}), self._rows(experiment, {"task": task, **other}))
                  for task in tasks]

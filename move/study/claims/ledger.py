@@ -52,8 +52,8 @@ def _paper_mean(one: str, other: str) -> float:
 
 @claim("average success rate of 39.1%, a 76.1% relative improvement over static", "abstract, IV-C", "table2_main")
 def _(evidence: Evidence) -> list[Item]:
-    mean = evidence.mean_gap("MOVE minus static, mean of ten tasks", "table2_main", list(PAPER_TASKS), MOVE, STATIC,
-                             _paper_mean("move", "static"))
+    mean = evidence.mean_difference("MOVE minus static, mean of ten tasks", "table2_main", list(PAPER_TASKS), MOVE,
+                                    STATIC, _paper_mean("move", "static"))
     if not isinstance(mean, Finding):
         return [mean]
     rows = evidence.rows("table2_main", **STATIC)
@@ -65,34 +65,34 @@ def _(evidence: Evidence) -> list[Item]:
                           runs=mean.runs)]
 
 
-def _task_gaps(evidence: Evidence, other: dict, experiment: str = "table2_main", **both) -> list[Item]:
+def _task_differences(evidence: Evidence, other: dict, experiment: str = "table2_main", **both) -> list[Item]:
     name = other["method"]
-    printed = paper.published("table2_main", "gap")
+    printed = paper.published("table2_main", "difference")
     printed = printed[printed.baseline == name].set_index("task").value
-    return [evidence.gap(f"{TASKS[task].title}", experiment, {"task": task, **MOVE, **both},
-                         {"task": task, **other, **both}, printed[task]) for task in PAPER_TASKS]
+    return [evidence.difference(f"{TASKS[task].title}", experiment, {"task": task, **MOVE, **both},
+                                {"task": task, **other, **both}, printed[task]) for task in PAPER_TASKS]
 
 
 @claim("consistently and remarkably outperforms static across all tasks", "IV-C, table II", "table2_main")
 def _(evidence: Evidence) -> list[Item]:
-    return _task_gaps(evidence, STATIC)
+    return _task_differences(evidence, STATIC)
 
 
 @claim("MOVE above ADC on every task", "table II", "table2_main")
 def _(evidence: Evidence) -> list[Item]:
-    return _task_gaps(evidence, ADC)
+    return _task_differences(evidence, ADC)
 
 
 @claim("MOVE above ADC on the mean, .391 against .276", "table II", "table2_main")
 def _(evidence: Evidence) -> list[Item]:
-    return [evidence.mean_gap("MOVE minus ADC, mean of ten tasks", "table2_main", list(PAPER_TASKS), MOVE, ADC,
-                              _paper_mean("move", "adc"))]
+    return [evidence.mean_difference("MOVE minus ADC, mean of ten tasks", "table2_main", list(PAPER_TASKS), MOVE, ADC,
+                                     _paper_mean("move", "adc"))]
 
 
 @claim("ADC above static on the mean, .276 against .222", "table II", "table2_main")
 def _(evidence: Evidence) -> list[Item]:
-    return [evidence.mean_gap("ADC minus static, mean of ten tasks", "table2_main", list(PAPER_TASKS), ADC, STATIC,
-                              _paper_mean("adc", "static"))]
+    return [evidence.mean_difference("ADC minus static, mean of ten tasks", "table2_main", list(PAPER_TASKS), ADC,
+                                     STATIC, _paper_mean("adc", "static"))]
 
 
 @claim("yields up to 2 to 5x gains in data efficiency on certain tasks", "abstract", "fig4_scaling")
@@ -120,9 +120,9 @@ def _efficiency(evidence: Evidence, task: str) -> Item:
 def _said_to_be_equal(evidence: Evidence, task: str) -> list[Item]:
     said = paper.published("fig4_scaling", "timesteps", condition="equally good", task=task).set_index("method").value
     budgets = said.astype(int)
-    return [evidence.gap(f"MOVE at {budgets.move:,} minus static at {budgets.static:,} timesteps, above "
-                         f"-{EQUALLY_GOOD:g}", "fig4_scaling", {"task": task, **MOVE, "timesteps": budgets.move},
-                         {"task": task, **STATIC, "timesteps": budgets.static}, above=-EQUALLY_GOOD)]
+    return [evidence.difference(f"MOVE at {budgets.move:,} minus static at {budgets.static:,} timesteps, above "
+                                f"-{EQUALLY_GOOD:g}", "fig4_scaling", {"task": task, **MOVE, "timesteps": budgets.move},
+                                {"task": task, **STATIC, "timesteps": budgets.static}, above=-EQUALLY_GOOD)]
 
 
 @claim("Pick-and-Place: 20k timesteps of MOVE match 50k of static", "I", "fig4_scaling")
@@ -147,9 +147,9 @@ def _(evidence: Evidence) -> list[Item]:
         return [evidence.not_planned("figure 4", 100)]
     both = asked[asked.method == "static"].merge(asked[asked.method == "move"], on=["task", "timesteps"])
     points = both[["task", "timesteps"]].drop_duplicates().itertuples(index=False)
-    return [evidence.gap(f"{TASKS[task].title} {timesteps:,}", "fig4_scaling",
-                         {"task": task, "timesteps": timesteps, **MOVE},
-                         {"task": task, "timesteps": timesteps, **STATIC}) for task, timesteps in points]
+    return [evidence.difference(f"{TASKS[task].title} {timesteps:,}", "fig4_scaling",
+                                {"task": task, "timesteps": timesteps, **MOVE},
+                                {"task": task, "timesteps": timesteps, **STATIC}) for task, timesteps in points]
 
 
 @claim("trained at 9 places, static succeeds only around them: 29.5% of the space", "I, figure 1", "fig1_sparse")
@@ -167,8 +167,8 @@ def _(evidence: Evidence) -> list[Item]:
 @claim("better generalization to unseen grasp points: 29.5% against 80.8%", "figure 1", "fig1_sparse")
 def _(evidence: Evidence) -> list[Item]:
     printed = paper.published("fig1_sparse").set_index("method").value
-    return [evidence.gap("MOVE minus static, whole space", "fig1_sparse", {**MOVE, **GRID, **APART},
-                         {**STATIC, **GRID, **APART}, printed.move - printed.static)]
+    return [evidence.difference("MOVE minus static, whole space", "fig1_sparse", {**MOVE, **GRID, **APART},
+                                {**STATIC, **GRID, **APART}, printed.move - printed.static)]
 
 
 @claim("static performs well on the training points", "IV-A", "fig1_sparse")
@@ -190,9 +190,9 @@ def _(evidence: Evidence) -> list[Item]:
 def _(evidence: Evidence) -> list[Item]:
     printed = paper.published("fig3_dense").set_index("method").value
     budgets = sorted(evidence.rows("fig3_dense", **APART).timesteps.unique()) or [7000]
-    return [evidence.gap(f"MOVE minus static at {budget:,} timesteps", "fig3_dense",
-                         {**MOVE, **APART, "timesteps": budget}, {**STATIC, **APART, "timesteps": budget},
-                         printed.move - printed.static) for budget in budgets]
+    return [evidence.difference(f"MOVE minus static at {budget:,} timesteps", "fig3_dense",
+                                {**MOVE, **APART, "timesteps": budget}, {**STATIC, **APART, "timesteps": budget},
+                                printed.move - printed.static) for budget in budgets]
 
 
 def _circle(evidence: Evidence, where: str) -> Item:
@@ -304,8 +304,8 @@ def _(evidence: Evidence) -> list[Item]:
     if not tasks:
         return [evidence.missing("in motion", "generalization", {"method": "move"}, {"method": "static"})]
     moving = {"group": "moving"}
-    return [evidence.gap(f"{TASKS[task].title}, MOVE minus static in motion", "generalization",
-                         {"task": task, **MOVE, **moving}, {"task": task, **STATIC, **moving}) for task in tasks]
+    return [evidence.difference(f"{TASKS[task].title}, MOVE minus static in motion", "generalization",
+                                {"task": task, **MOVE, **moving}, {"task": task, **STATIC, **moving}) for task in tasks]
 
 
 @claim("Beta-distributed speeds help robust grasping", "III-B", "fig7_speed")
@@ -315,9 +315,9 @@ def _(evidence: Evidence) -> list[Item]:
 
 @claim("rotation is particularly beneficial for asymmetric objects", "III-B", "fig6_dimensions")
 def _(evidence: Evidence) -> list[Item]:
-    return [evidence.gap("Assembly, with rotation minus without", "fig6_dimensions",
-                         {"task": "assembly", "moves": "object + target + camera + rotation"},
-                         {"task": "assembly", "moves": "object + target + camera"})]
+    return [evidence.difference("Assembly, with rotation minus without", "fig6_dimensions",
+                                {"task": "assembly", "moves": "object + target + camera + rotation"},
+                                {"task": "assembly", "moves": "object + target + camera"})]
 
 
 @claim("extends to more dimensions, such as dynamic table height", "II-B", "fig6_dimensions")
@@ -331,8 +331,8 @@ def _(evidence: Evidence) -> list[Item]:
     for task in ("pick-place", "assembly"):
         asked = evidence.asked("fig6_dimensions")
         rungs = [name for name in asked[asked.task == task].moves.unique() if "alone" not in name] if len(asked) else []
-        items += [evidence.gap(f"{TASKS[task].title}, {more} minus {less}", "fig6_dimensions",
-                               {"task": task, "moves": more}, {"task": task, "moves": less})
+        items += [evidence.difference(f"{TASKS[task].title}, {more} minus {less}", "fig6_dimensions",
+                                      {"task": task, "moves": more}, {"task": task, "moves": less})
                   for less, more in zip(rungs, rungs[1:], strict=False)]
     return items or [evidence.not_planned("figure 6", 7)]
 
@@ -345,8 +345,8 @@ def _(evidence: Evidence) -> list[Item]:
     items: list[Item] = []
     for (task, part), rows in asked[asked.part.isin(["object", "target"])].groupby(["task", "part"], sort=False):
         static = {"task": task, "part": "nothing"}
-        items += [evidence.gap(f"{TASKS[task].title}, {part} at {speed:g} m a step minus static", "fig7_speed",
-                               {"task": task, "part": part, "speed": speed}, static)
+        items += [evidence.difference(f"{TASKS[task].title}, {part} at {speed:g} m a step minus static", "fig7_speed",
+                                      {"task": task, "part": part, "speed": speed}, static)
                   for speed in sorted(rows.speed.unique())]
     return items
 
