@@ -79,7 +79,7 @@ def fake(tmp_path, monkeypatch):
 
 def test_metadata_first_then_only_the_chosen_episodes(fake, tmp_path):
     said = []
-    data = open_dataset("BAAI/MOVE", episodes=1, folder=tmp_path / "kept", say=said.append)
+    data = open_dataset("BAAI/MOVE", episodes=1, folder=tmp_path / "kept", log=said.append)
     assert data.revision == COMMIT and len(data.episodes) == 2
     assert all(name.split("/")[1] == "meta" for name in fake.fetched[:4]), "metadata must come first"
     assert {name for name in fake.fetched if "data/chunk" in name

@@ -29,7 +29,7 @@ class RobotDataSet:
     revision: str | None  # the commit, for a data set of the Hub
     folder: Path  # where its files lie
     episodes: tuple[RobotEpisode, ...]
-    contents: pd.DataFrame  # part, method, layout, episodes and timesteps in all (NaN: not told), episodes read
+    contents: pd.DataFrame  # part, method, layout, episodes and timesteps in all (NaN: not stated), episodes read
     units: pd.DataFrame  # see `units.units_table`
     unread: tuple[str, ...]  # one line for each chosen episode that could not be read
     simulated: bool  # the data set itself says that it is simulated
@@ -45,7 +45,7 @@ class RobotDataSet:
 
 def open_dataset(data: str | Path = hub.REPOSITORY, *, revision: str | None = hub.REVISION,
                  episodes: int | Sequence[int] | None = 20, size_cap_gb: float = 2.0, folder: Path = paths.REALWORLD,
-                 units_file: Path | None = None, say: hub.Say = hub.silent) -> RobotDataSet:
+                 units_file: Path | None = None, log: hub.Log = hub.silent) -> RobotDataSet:
     """Open a real-robot data set of a local folder or of the Hugging Face Hub.
 
     The layout is detected (LeRobot v2.1 or v3.0, Pika raw tree or HDF5, ACT HDF5, RoboMIND HDF5, zarr replay
@@ -60,7 +60,7 @@ def open_dataset(data: str | Path = hub.REPOSITORY, *, revision: str | None = hu
         size_cap_gb: refuse to fetch more than this, in 10^9 bytes, before anything is fetched.
         folder: where data of the Hub are kept.
         units_file: overrides of the detected units, see `units`.
-        say: takes one line of progress.
+        log: takes one line of progress.
 
     Raises:
         BadInput: one line that names what was given, what was found and what is allowed.
@@ -72,18 +72,18 @@ def open_dataset(data: str | Path = hub.REPOSITORY, *, revision: str | None = hu
         root, remote = Path(data), None
         parts = detect(list(plain_files(root)), root)
     elif str(data).count("/") == 1 and not Path(data).is_absolute() and not str(data).startswith("."):
-        remote = hub.list_remote(str(data), revision, folder, say=say)
+        remote = hub.list_remote(str(data), revision, folder, log=log)
         root = remote.folder
         parts = detect([file.path for file in remote.files], root)
-        hub.fetch(remote, _metadata(parts, remote), size_cap_gb=size_cap_gb, say=say)
+        hub.fetch(remote, _metadata(parts, remote), size_cap_gb=size_cap_gb, log=log)
     else:
         raise BadInput(f"data {str(data)!r} is no folder on this machine, and no owner/name of the Hub")
     chosen = {part.name: _choose(_episodes(part), episodes, part) for part in parts}
     if remote:
         names = [_prefix(part, remote) + file for part in parts for ref in chosen[part.name][1] for file in ref.files]
-        hub.fetch(remote, names, size_cap_gb=size_cap_gb, say=say)
+        hub.fetch(remote, names, size_cap_gb=size_cap_gb, log=log)
         chosen = {part.name: _choose(_episodes(part), episodes, part) for part in parts}  # what came now is judged too
-    return _read(str(data), remote.revision if remote else None, root, parts, chosen, overrides, say)
+    return _read(str(data), remote.revision if remote else None, root, parts, chosen, overrides, log)
 
 
 def _prefix(part: Part, remote: hub.Remote) -> str:
@@ -123,7 +123,7 @@ def _choose(refs: list[EpisodeRef], episodes: int | Sequence[int] | None,
 
 
 def _read(source: str, revision: str | None, root: Path, parts: Sequence[Part], chosen: dict, overrides: dict,
-          say: hub.Say) -> RobotDataSet:
+          log: hub.Log) -> RobotDataSet:
     """Read the chosen episodes of every part; an episode that cannot be read is named and left out."""
     episodes: list[RobotEpisode] = []
     rows: list[UnitRow] = []
@@ -138,7 +138,7 @@ def _read(source: str, revision: str | None, root: Path, parts: Sequence[Part], 
             rows += units
             mine = [convert(recording, units, overrides, _method(part)) for recording in recordings]
             episodes += mine
-        say(f"{part.name}: {LAYOUTS[part.layout].title}, read {len(recordings)} of {len(refs)} episodes")
+        log(f"{part.name}: {LAYOUTS[part.layout].title}, read {len(recordings)} of {len(refs)} episodes")
         contents.append(_summary(part, refs, mine))
     if not episodes:
         raise BadInput(unread[0] if unread else f"{root}: no episodes in {[part.name for part in parts]}")
@@ -177,9 +177,9 @@ def _method(part: Part) -> str:
 
 def _summary(part: Part, refs: Sequence[EpisodeRef], read: Sequence[RobotEpisode]) -> dict:
     """One row of `contents`; where the layout does not tell lengths, the total is known only if all was read."""
-    told = [ref.timesteps for ref in refs if ref.timesteps is not None]
-    lengths: list[int] | None = told
-    if len(told) < len(refs):
+    stated = [ref.timesteps for ref in refs if ref.timesteps is not None]
+    lengths: list[int] | None = stated
+    if len(stated) < len(refs):
         lengths = [episode.timesteps for episode in read] if len(read) == len(refs) else None
     return {
         "part": part.name, "method": read[0].method if read else _method(part), "layout": LAYOUTS[part.layout].title,

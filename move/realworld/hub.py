@@ -38,11 +38,11 @@ TIMEOUT_S = 10.0
 WORKERS = 8  # files fetched at a time; a raw tree has thousands of small ones
 DISK_ERRORS = (errno.ENOSPC, errno.EACCES, errno.EPERM, errno.EROFS, errno.EDQUOT)
 
-Say = Callable[[str], None]
+Log = Callable[[str], None]
 
 
 def silent(line: str) -> None:
-    """Say nothing: the default of every `say` argument."""
+    """Log nothing: the default of every `log` argument."""
 
 
 @dataclass(frozen=True)
@@ -120,7 +120,7 @@ def _short(error: Exception) -> str:
     return " ".join(str(error).split())[:120]
 
 
-def list_remote(repo_id: str, revision: str | None, folder: Path, *, say: Say = silent) -> Remote:
+def list_remote(repo_id: str, revision: str | None, folder: Path, *, log: Log = silent) -> Remote:
     """List a repository at one commit; fetch nothing.
 
     The listing is kept as `SOURCE.json` under `folder/<owner>--<name>/<commit>/`, so a pinned commit that was
@@ -131,7 +131,7 @@ def list_remote(repo_id: str, revision: str | None, folder: Path, *, say: Say = 
         repo_id: owner/name of a data set.
         revision: 40 hexadecimal digits, or None to ask for the newest commit.
         folder: where data sets are kept.
-        say: takes one line of progress.
+        log: takes one line of progress.
 
     Raises:
         BadInput: see `check_revision`, `plainly` and `_judged`.
@@ -140,7 +140,7 @@ def list_remote(repo_id: str, revision: str | None, folder: Path, *, say: Say = 
     if revision is None:
         with plainly(repo_id, None, api.endpoint):
             revision = str(api.dataset_info(repo_id, timeout=TIMEOUT_S).sha)
-        say(f"{repo_id}: newest commit is {revision}; pin it to read the same data again")
+        log(f"{repo_id}: newest commit is {revision}; pin it to read the same data again")
     target = folder / safe_name(repo_id, "the repository name").replace("/", "--") / check_revision(revision)
     files = _kept(target / LISTING)
     if files is None:
@@ -151,7 +151,7 @@ def list_remote(repo_id: str, revision: str | None, folder: Path, *, say: Say = 
     remote = Remote(repo_id, revision, target, files)
     _keep(remote)
     total = sum(file.size_bytes for file in files) / 1e9
-    say(f"{repo_id}@{revision[:8]}: {len(files)} files, {total:.2f} GB in all")
+    log(f"{repo_id}@{revision[:8]}: {len(files)} files, {total:.2f} GB in all")
     return remote
 
 
@@ -195,7 +195,7 @@ def _keep(remote: Remote) -> None:
     draft.replace(remote.folder / LISTING)
 
 
-def fetch(remote: Remote, names: Sequence[str], *, size_cap_gb: float, say: Say = silent) -> int:
+def fetch(remote: Remote, names: Sequence[str], *, size_cap_gb: float, log: Log = silent) -> int:
     """Fetch the named files that are not there yet; an interrupted fetch goes on where it stopped.
 
     Args:
@@ -239,7 +239,7 @@ def fetch(remote: Remote, names: Sequence[str], *, size_cap_gb: float, say: Say 
     try:
         for number, name in enumerate(pool.map(one, missing), 1):
             done += sizes[name]
-            say(f"fetched {number}/{len(missing)} ({done / 1e6:.1f} MB): {name}")
+            log(f"fetched {number}/{len(missing)} ({done / 1e6:.1f} MB): {name}")
     finally:
         pool.shutdown(cancel_futures=True)
     plain_files(remote.folder)

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from move.paper import PAPER_TASKS
 from move.report import plots
-from move.report.figures.panels import methods_and_seeds, say
+from move.report.figures.panels import empty_panel, methods_and_seeds
 from move.report.style import COLUMN_WIDTH, PAGE_WIDTH, titles
 from move.sim.tasks import TASKS
 
@@ -31,7 +31,7 @@ def fig4_scaling(rates: pd.DataFrame, printed: pd.DataFrame) -> Figure:
             plots.printed_points(theirs, ax)
             plots.log_ticks({*shown.timesteps, *theirs.timesteps}, ax)
         else:
-            say("missing", ax)
+            empty_panel("missing", ax)
         ax.label_outer(remove_inner_ticks=False)
         ax.tick_params(labelbottom=True)
         ax.set_ylabel("success (%)" if ax in axes[:, 0] else "")
@@ -85,7 +85,7 @@ def fig7_speed(rates: pd.DataFrame) -> Figure:
                 for still in here[(here.part == "nothing") & here.value.notna()].itertuples():
                     plots.level(still.value, "static", ax)
             else:
-                say("not part of this study", ax)
+                empty_panel("not part of this study", ax)
             ax.set_ylabel("success (%)" if ax is row[0] else "")
     titles(list(axes.flat), [f"{TASKS[task].title}, {part}" for task in tasks for part in parts or ["nothing"]])
     figure.legend(handles=plots.entries(["move"], missing=bool(rates.value.isna().any())), ncol=2,

@@ -9,7 +9,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from move.report import maps, plots
-from move.report.figures.panels import Strips, say
+from move.report.figures.panels import Strips, empty_panel
 from move.report.style import NAMES, PAGE_WIDTH, remark, titles
 from move.sim.configuration import Box
 from move.study.claims.rule import VERDICTS
@@ -43,7 +43,7 @@ def fig2_overview(seen: Mapping[str, pd.DataFrame], shares: pd.DataFrame, ranges
     for ax, (frames, steps) in zip(strip_axes, strips.values(), strict=False):
         maps.strip(frames, [str(step) for step in steps], ax)
     if not strips:
-        say(problem or "no images", strip_axes[0])
+        empty_panel(problem or "no images", strip_axes[0])
     titles([*panels.flat, *strip_axes], [*texts, *(strips or [""])])
     return figure
 
@@ -60,7 +60,7 @@ def rollouts(strips: Strips, absent: Sequence[str] = (), problem: str | None = N
     for ax, (frames, steps) in zip(axes.flat, strips.values(), strict=False):
         maps.strip(frames, [str(step) for step in steps], ax)
     if not strips:
-        say(problem or "no run is stored", axes[0, 0])
+        empty_panel(problem or "no run is stored", axes[0, 0])
     titles(list(axes.flat), list(strips) or [""])
     if absent:
         remark(figure, f"not shown, for the policy is not shipped: {', '.join(absent)}")

@@ -18,7 +18,7 @@ SEEN = {"rgb": "from pixels", "keypoints": "from keypoints: perception given"}
 Strips = Mapping[str, tuple[np.ndarray, Sequence[int]]]  # title -> frames (count, size, size, 3), their timesteps
 
 
-def say(text: str, ax: Axes) -> None:
+def empty_panel(text: str, ax: Axes) -> None:
     """A panel without axes that says why it is empty."""
     ax.set_axis_off()
     ax.text(0.5, 0.5, text, ha="center", va="center", transform=ax.transAxes)

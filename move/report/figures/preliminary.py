@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from move.report import maps, plots
-from move.report.figures.panels import legend_below, say, seed_dot
+from move.report.figures.panels import empty_panel, legend_below, seed_dot
 from move.report.style import PAGE_WIDTH, titles
 from move.sim.grasp_points import CIRCLE
 
@@ -37,7 +37,7 @@ def _maps(episodes: pd.DataFrame, axes: Sequence[Axes]) -> None:
             mesh = maps.heatmap(rows, ax)
             ax.set_anchor("N")
         else:
-            say("missing", ax)
+            empty_panel("missing", ax)
     axes[1].set_ylabel("")
     maps.seeds_bar(mesh, axes, episodes.seed.nunique())
 
