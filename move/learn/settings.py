@@ -33,7 +33,8 @@ class Training(BaseModel):
         frozen=True, strict=True, extra="forbid", allow_inf_nan=False, hide_input_in_errors=True
     )
 
-    encoder: Literal["keypoints", "small_cnn", "resnet18"] = Field(description="from one observation to features")
+    encoder: Literal["keypoints", "small_cnn", "resnet18"] = Field(
+        description="from one observation to features")
     denoiser: Literal["mlp", "unet"] = Field(description="from noisy actions to a prediction")
     target: Literal["sample", "noise"] = Field(default="sample", description="what the denoiser predicts")
     observation_horizon: Horizon = Field(default=2, description="timesteps observed")

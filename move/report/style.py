@@ -27,8 +27,17 @@ COLOURS = {  # safe for colour-blind readers (Okabe and Ito); a method has the s
 }
 DIFFERENCES = {"static": ("#000000", "o"), "adc": ("#777777", "s")}
 """Colour and marker of MOVE minus another method: never a method's colour, for a difference is none of them."""
-NAMES = {"static": "static", "adc": "ADC", "move": "MOVE", "mixture": "mixture", "nothing": "do nothing",
-         "random": "random actions", "expert": "expert", "goal-blind": "goal-blind expert", "unknown": "unknown"}
+NAMES = {
+    "static": "static",
+    "adc": "ADC",
+    "move": "MOVE",
+    "mixture": "mixture",
+    "nothing": "do nothing",
+    "random": "random actions",
+    "expert": "expert",
+    "goal-blind": "goal-blind expert",
+    "unknown": "unknown",
+}
 COLUMN_WIDTH = 3.4  # inches, one column of a two-column page
 PAGE_WIDTH = 7.0  # inches
 LEAST_POINTS = 7.0  # no text in a figure is smaller
