@@ -8,10 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from test_cli import move
 
-from move import choices, paths, yaml_text
+from move import choices, experiments, paths, yaml_text
 from move.errors import BadInput
 from move.report import parameters
-from move.study import experiments, profiles
+from move.study import profiles
 from move.study.profiles import load_profile
 
 LONG = "n" * 300

@@ -6,9 +6,9 @@ import pandas as pd
 import pytest
 
 from move import paths
-from move.study.claims import ledger
-from move.study.claims.evidence import Evidence
-from move.study.claims.rule import (
+from move.claims import ledger
+from move.claims.evidence import Evidence
+from move.claims.rule import (
     CLAIMS,
     VERDICTS,
     Contradiction,
@@ -18,7 +18,7 @@ from move.study.claims.rule import (
     clear_ones,
     verdict,
 )
-from move.study.experiments import EXPERIMENTS
+from move.experiments import EXPERIMENTS
 from move.study.profiles import load_profile
 
 CLEAR, OPEN = Finding("clear", 0.3, 0.2, 0.4), Finding("open", 0.1, -0.1, 0.3)
@@ -99,7 +99,7 @@ def test_that_policies_fail_is_a_share_of_failures(successes, expected):
 
 
 def test_a_claim_without_runs_says_what_it_would_cost(tmp_path, monkeypatch):
-    monkeypatch.setattr("move.study.claims.evidence.results", lambda profile: tmp_path)
+    monkeypatch.setattr("move.claims.evidence.results", lambda profile: tmp_path)
     evidence = Evidence(load_profile("laptop"))
     asked = [item for each in CLAIMS.values() if each.figure in EXPERIMENTS for item in each.decided_by(evidence)]
     missing = [item for item in asked if isinstance(item, Missing)]

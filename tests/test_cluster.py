@@ -12,8 +12,9 @@ from pathlib import Path
 import pytest
 from distributed import LocalCluster
 
+from move import experiments
 from move.errors import BadInput
-from move.study import cluster, execute, experiments, results, run
+from move.study import cluster, execute, results, run
 from move.study.kinds import collector_run
 from move.study.profiles import load_profile
 

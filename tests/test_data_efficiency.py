@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from move.study.statistics.data_efficiency import data_efficiency, needed
-from move.study.statistics.estimates import TrainingNoise
+from move.statistics.data_efficiency import data_efficiency, needed
+from move.statistics.estimates import TrainingNoise
 
 BUDGETS = (5000, 10_000, 20_000, 40_000)
 

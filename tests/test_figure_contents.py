@@ -14,11 +14,11 @@ import pytest  # noqa: E402
 from matplotlib.collections import PathCollection, QuadMesh  # noqa: E402
 from matplotlib.colors import to_hex  # noqa: E402
 
+from move.claims.rule import VERDICTS  # noqa: E402
 from move.paper import PAPER_METHODS, PAPER_TASKS, published  # noqa: E402
 from move.report import figures, style, tables  # noqa: E402
 from move.sim.grasp_points import CIRCLE  # noqa: E402
 from move.sim.tasks import TASKS, get_task  # noqa: E402
-from move.study.claims.rule import VERDICTS  # noqa: E402
 
 SHIFT = {"static": 0.0, "adc": 0.03, "move": 0.06, "mixture": 0.045}
 COLOUR = {method: style.COLOURS[method].lower() for method in SHIFT}

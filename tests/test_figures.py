@@ -20,13 +20,13 @@ from matplotlib.lines import Line2D  # noqa: E402
 from matplotlib.text import Text  # noqa: E402
 
 from move import paths  # noqa: E402
+from move.claims.rule import VERDICTS  # noqa: E402
 from move.errors import BadInput  # noqa: E402
 from move.paper import PAPER_METHODS, PAPER_TASKS, published  # noqa: E402
 from move.realworld import tracking, workspace  # noqa: E402
 from move.realworld.trials import real_table  # noqa: E402
 from move.report import captions, figures, real_figures, style, tables, words  # noqa: E402
 from move.sim.tasks import get_task  # noqa: E402
-from move.study.claims.rule import VERDICTS  # noqa: E402
 
 RNG = np.random.default_rng(0)
 

@@ -7,7 +7,8 @@ writes the list anew; look at its difference before committing it: lines may be 
 import json
 from pathlib import Path
 
-from move.study import experiments, profiles
+from move import experiments
+from move.study import profiles
 
 LISTED = Path(__file__).with_name("hashes.json")
 

@@ -5,10 +5,10 @@ from functools import partial
 
 import pytest
 
-from move import paper, paths
+from move import experiments, paper, paths
 from move.errors import BadInput
 from move.learn.evaluate import Evaluation
-from move.study import experiments, profiles, results
+from move.study import profiles, results
 from move.study import run as running
 from move.study.kinds import collector_run, control_run, policy_run
 from move.study.labels import LabelledRun, distinct, grid
@@ -113,7 +113,7 @@ def test_experiments_have_the_papers_methods_and_tasks_and_no_other(name):
 
 
 def test_a_new_experiment_needs_one_function(monkeypatch):
-    monkeypatch.setattr("move.study.experiments.registry.EXPERIMENTS", {})
+    monkeypatch.setattr("move.experiments.registry.EXPERIMENTS", {})
 
     @experiments.experiment
     def mine(profile: Profile, seeds: int = 2) -> list[LabelledRun]:

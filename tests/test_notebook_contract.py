@@ -9,10 +9,10 @@ import papermill  # noqa: E402
 import pytest  # noqa: E402
 
 from move import paths  # noqa: E402
+from move.experiments import EXPERIMENTS, registry  # noqa: E402
 from move.report import page, tables  # noqa: E402
 from move.report.changes import SHOWN  # noqa: E402
 from move.sim.collect import Collection  # noqa: E402
-from move.study.experiments import EXPERIMENTS, registry  # noqa: E402
 from move.study.profiles import load_profile  # noqa: E402
 from move.study.results import Result, table  # noqa: E402
 from move.study.spec import ControlRun, PolicyRun  # noqa: E402

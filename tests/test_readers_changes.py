@@ -20,10 +20,13 @@ from conftest import notebooks_in_git  # noqa: E402
 from nbstripout import strip_output  # noqa: E402
 from rich.console import Console  # noqa: E402
 
-from move import paths  # noqa: E402
+from move import (
+    experiments,  # noqa: E402
+    paths,  # noqa: E402
+)
 from move.errors import BadInput  # noqa: E402
 from move.report import changes, notebooks, page  # noqa: E402
-from move.study import execute, experiments  # noqa: E402
+from move.study import execute  # noqa: E402
 from move.study.profiles import load_profile  # noqa: E402
 from move.study.results import Result, store  # noqa: E402
 

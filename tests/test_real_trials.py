@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from scipy import stats
 
 from move.errors import BadInput
-from move.intervals import exact_interval
 from move.realworld import trials as t
+from move.statistics.intervals import exact_interval
 
 
 @pytest.mark.parametrize(("successes", "n"), [(0, 30), (1, 30), (7, 30), (30, 30), (3, 7)])

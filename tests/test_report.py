@@ -11,17 +11,18 @@ import pytest  # noqa: E402
 import recipes  # noqa: E402
 
 from move import (
+    experiments,  # noqa: E402
     paths,  # noqa: E402
 )
 from move.report import captions, differences, maps, page, plots, printed, style, tables  # noqa: E402
 from move.sim.collect import Collection  # noqa: E402
 from move.sim.configuration import Disc  # noqa: E402
 from move.sim.tasks import TASKS  # noqa: E402
-from move.study import experiments, results  # noqa: E402
+from move.statistics import estimates as statistics  # noqa: E402
+from move.study import results  # noqa: E402
 from move.study.labels import LabelledRun  # noqa: E402
 from move.study.profiles import load_profile  # noqa: E402
 from move.study.spec import CollectionRun, PolicyRun  # noqa: E402
-from move.study.statistics import estimates as statistics  # noqa: E402
 
 
 def episodes(rates: dict[str, float], seeds: int = 3, trials: int = 16) -> pd.DataFrame:

@@ -6,11 +6,10 @@ import nbformat
 import pytest
 from nbclient.exceptions import DeadKernelError
 
-from move import paths
+from move import experiments, paths
 from move.errors import BadInput
 from move.report import notebooks
 from move.report.changes import BY_COMMAND
-from move.study import experiments
 from move.study.profiles import load_profile
 
 SMOKE = load_profile("smoke")

@@ -6,10 +6,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from move import experiments
 from move.report import efficiency, tables, variants
 from move.sim.collect import Collection, collect
 from move.sim.motion.wrappers import Motions
-from move.study import experiments
 from move.study.profiles import load_profile
 
 LAPTOP = load_profile("laptop")

@@ -12,9 +12,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from move import paper, paths
+from move import experiments, paper, paths
 from move.report import captions
-from move.study import experiments
 from move.study.profiles import load_profile
 
 LAPTOP = load_profile("laptop")

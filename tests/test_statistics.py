@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from move.study.statistics import estimates as statistics
-from move.study.statistics.estimates import difference, holm, mean_difference, over_tasks, pooled_noise, success_rate
-from move.study.statistics.simulation import coverage, like_noise, outcomes
+from move.statistics import estimates as statistics
+from move.statistics.estimates import difference, holm, mean_difference, over_tasks, pooled_noise, success_rate
+from move.statistics.simulation import coverage, like_noise, outcomes
 
 DRAWS = 4000
 

@@ -11,7 +11,7 @@ import pytest
 import recipes
 from pydantic import ValidationError
 
-from move import paper, paths
+from move import experiments, paper, paths
 from move.errors import BadInput
 from move.learn.agents import Expert, Nothing, PolicyAgent, Random
 from move.learn.evaluate import Evaluation, evaluate, starts
@@ -22,7 +22,7 @@ from move.sim.configuration import SpatialConfiguration
 from move.sim.motion.adc import MENDED, Jumping
 from move.sim.scene.scene import EPISODE_STEPS, Scene
 from move.sim.tasks import get_task
-from move.study import execute, experiments, policies, profiles, results, run
+from move.study import execute, policies, profiles, results, run
 from move.study.plan import TRIAL_MINUTES, plan_rows
 from move.study.profiles import load_profile
 from move.study.spec import PolicyRun, run_spec_from_json

@@ -7,10 +7,10 @@ import recipes
 
 from move.report import captions, covered, differences, efficiency, page, tables, variants
 from move.sim.collect import Collection
+from move.statistics.estimates import UNKNOWN
 from move.study import results
 from move.study.profiles import load_profile
 from move.study.spec import PolicyRun
-from move.study.statistics.estimates import UNKNOWN
 
 LAPTOP = load_profile("laptop")
 

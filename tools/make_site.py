@@ -27,8 +27,8 @@ from sphinx.cmd.build import build_main
 
 import move
 from move import paths
+from move.experiments import EXPERIMENTS, registry
 from move.report import changes, notebooks
-from move.study.experiments import EXPERIMENTS, registry
 from move.study.profiles import load_profile
 from move.study.results import Result, split
 

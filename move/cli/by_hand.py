@@ -181,13 +181,13 @@ def evaluate(
         raise BadInput(f"{', '.join(given)}: given with starts 'grid', which fixes them; allowed with random or moving")
     import numpy as np
 
-    from move.intervals import wilson_interval
     from move.learn import agents
     from move.learn import evaluate as evaluating
     from move.learn.checkpoint import learnt_task, load_policy
     from move.machine import one_thread
     from move.sim.observe import KEYPOINTS
     from move.sim.tasks import get_task
+    from move.statistics.intervals import wilson_interval
     from move.validation import build
 
     one_thread()

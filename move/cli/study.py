@@ -33,7 +33,7 @@ def chosen_specs(
     Raises:
         BadInput: a figure that needs no runs, or a parameter that it does not have.
     """
-    from move.study import experiments
+    from move import experiments
 
     if changes and not figures:
         raise BadInput(f"-p {next(iter(changes))}: given for all figures; allowed with the figures that it is for")

@@ -19,8 +19,8 @@ import pandas as pd
 from scipy import stats
 
 from move.errors import BadInput
-from move.intervals import exact_interval
 from move.paper import PAPER_METHODS, REAL_POINTS
+from move.statistics.intervals import exact_interval
 from move.untrusted import reading
 
 COLUMNS = ("trial", "method", "position_x_m", "position_y_m", "score")

@@ -13,8 +13,8 @@ from scipy import stats
 from statsmodels.stats.proportion import confint_proportions_2indep
 
 from move.errors import BadInput
-from move.intervals import exact_interval, student_half_width
 from move.paper import REAL_POINTS, REAL_TRIALS, TABLE3_REAL
+from move.statistics.intervals import exact_interval, student_half_width
 
 
 def real_table(cells: pd.DataFrame = TABLE3_REAL, *, trials: int = REAL_TRIALS, level: float = 0.95) -> pd.DataFrame:

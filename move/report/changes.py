@@ -17,7 +17,7 @@ from typing import Any
 from IPython import get_ipython
 
 from move import paths
-from move.study.experiments import EXPERIMENTS, registry
+from move.experiments import EXPERIMENTS, registry
 from move.study.profiles import Profile
 from move.study.spec import RunSpec
 

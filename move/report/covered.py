@@ -10,9 +10,9 @@ from scipy import stats
 from move.report.tables import rate_table
 from move.sim import coverage
 from move.sim.tasks import get_task
+from move.statistics.estimates import UNKNOWN, TrainingNoise
 from move.study.results import Result
 from move.study.spec import PolicyRun
-from move.study.statistics.estimates import UNKNOWN, TrainingNoise
 
 
 def coverage_table(

@@ -6,8 +6,8 @@ import numpy as np
 import pandas as pd
 
 from move.report.style import NAMES
-from move.study.statistics.cells import successes, training_noise
-from move.study.statistics.estimates import (
+from move.statistics.cells import successes, training_noise
+from move.statistics.estimates import (
     UNKNOWN,
     Estimate,
     TrainingNoise,
@@ -66,7 +66,7 @@ def difference_means(episodes: pd.DataFrame, by: str, others: tuple[str, ...] = 
 def tasks_table(episodes: pd.DataFrame, others: tuple[str, ...] = ("static", "adc")) -> pd.DataFrame:
     """MOVE against each other method with the task as the unit, one row a method: what other tasks might give.
 
-    Columns baseline, and those of `move.study.statistics.estimates.OverTasks`; a method that meets MOVE on fewer than
+    Columns baseline, and those of `move.statistics.estimates.OverTasks`; a method that meets MOVE on fewer than
     three tasks has no row.
     """
     rows = []

@@ -8,9 +8,9 @@ import pandas as pd
 from move.paper import published
 from move.report.differences import COLUMNS, as_columns, spoken_difference, with_holm
 from move.sim.tasks import TASKS, get_task
-from move.study.statistics.cells import successes, training_noise
-from move.study.statistics.data_efficiency import Efficiency, data_efficiency
-from move.study.statistics.estimates import UNKNOWN, TrainingNoise, difference
+from move.statistics.cells import successes, training_noise
+from move.statistics.data_efficiency import Efficiency, data_efficiency
+from move.statistics.estimates import UNKNOWN, TrainingNoise, difference
 
 EFFICIENCY = ["task", "timesteps", "ratio", "low", "high", "least", "most"]
 EQUAL = ["task", "move_timesteps", "static_timesteps", *COLUMNS]

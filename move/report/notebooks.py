@@ -14,10 +14,10 @@ from move import paths
 from move.choices import notebook
 from move.choices import notebooks as names
 from move.errors import BadInput
+from move.experiments import EXPERIMENTS, defaults, runs, specs
 from move.report import parameters
 from move.report.changes import BY_COMMAND
 from move.study.execute import how_far
-from move.study.experiments import EXPERIMENTS, defaults, runs, specs
 from move.study.profiles import Profile
 
 OnRuns = Callable[[float, int], None]

@@ -14,15 +14,15 @@ from matplotlib.figure import Figure
 
 from move import paths
 from move.errors import BadInput
+from move.experiments import table2_main, table_keypoint_control
 from move.report import captions, changes, printed, style
+from move.statistics.cells import training_noise
+from move.statistics.estimates import UNKNOWN, TrainingNoise
 from move.study.execute import execute, progress_bars
-from move.study.experiments import table2_main, table_keypoint_control
 from move.study.labels import LabelledRun
 from move.study.profiles import Profile
 from move.study.results import NOT_COMPUTED, Result, missing_in_words, split, table
 from move.study.spec import RunSpec
-from move.study.statistics.cells import training_noise
-from move.study.statistics.estimates import UNKNOWN, TrainingNoise
 
 Item = TypeVar("Item")
 

@@ -9,10 +9,10 @@ from typing import Annotated, Any
 
 from pydantic import AfterValidator, ConfigDict, Field, create_model
 
+from move import experiments
 from move.choices import refuse_unknown_parameters
 from move.errors import BadInput
 from move.sim.tasks import get_task
-from move.study import experiments
 from move.study.profiles import Profile, load_profile
 from move.validation import build
 

@@ -7,7 +7,6 @@ import pandas as pd
 
 from move import paper
 from move.errors import BadInput
-from move.intervals import wilson_interval
 from move.paper import PAPER_METHODS, PAPER_TASKS
 from move.report.printed import ABSENT, readable, shown
 from move.report.style import NAMES
@@ -15,12 +14,13 @@ from move.sim.collection import METHODS
 from move.sim.configuration import Disc
 from move.sim.tasks import TASKS
 from move.sim.tasks.task import acceptance_rate
+from move.statistics.cells import successes, training_noise
+from move.statistics.estimates import UNKNOWN, TrainingNoise, difference, success_rate
+from move.statistics.intervals import wilson_interval
 from move.study.labels import LabelledRun
 from move.study.profiles import Profile
 from move.study.results import Result
 from move.study.spec import CollectionRun, PolicyRun
-from move.study.statistics.cells import successes, training_noise
-from move.study.statistics.estimates import UNKNOWN, TrainingNoise, difference, success_rate
 
 __all__ = ["readable", "shown"]  # besides what stands here: one place for a notebook's tables
 
@@ -29,7 +29,7 @@ def rate_table(episodes: pd.DataFrame, by: list[str], known: TrainingNoise = UNK
     """One row a group: success rate, 95 % interval, each seed's own rate, episodes, what the interval knows.
 
     Below three seeds the training noise is pooled over the other groups. Column `trainings` is "own", "pooled" or
-    "unknown" as in `move.study.statistics.estimates.Estimate`, and "none" for an agent that is not trained.
+    "unknown" as in `move.statistics.estimates.Estimate`, and "none" for an agent that is not trained.
 
     Args:
         episodes: rows as `move.study.results.table` gives them, with the columns `by`.

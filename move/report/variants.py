@@ -12,8 +12,8 @@ import numpy as np
 import pandas as pd
 
 from move.report.differences import COLUMNS, as_columns, with_holm
-from move.study.statistics.cells import successes, training_noise
-from move.study.statistics.estimates import UNKNOWN, TrainingNoise, difference
+from move.statistics.cells import successes, training_noise
+from move.statistics.estimates import UNKNOWN, TrainingNoise, difference
 
 USUAL = {"object": 0.03, "target": 0.03, "camera": 1.0}
 """The speeds used everywhere else: metres per step, and degrees per step of the camera."""

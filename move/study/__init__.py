@@ -1,1 +1,1 @@
-"""From run specs, grids, stored results and statistics."""
+"""From the spec of a run to its stored result: grids of runs, profiles, processes, verification."""

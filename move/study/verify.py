@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from move.errors import BadInput
-from move.intervals import wilson_interval
+from move.statistics.intervals import wilson_interval
 from move.study import run as running
 from move.study.execute import PART_SHARE
 from move.study.results import NOT_COMPUTED, Result, load, read_content, split

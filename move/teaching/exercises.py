@@ -15,7 +15,6 @@ import numpy as np
 import torch
 from diffusers.schedulers.scheduling_ddim import DDIMScheduler
 
-from move.intervals import wilson_interval
 from move.learn.dataset import window_indices
 from move.realworld.trials import power
 from move.sim.collect import attempts
@@ -24,6 +23,7 @@ from move.sim.configuration import reflect
 from move.sim.motion.wrappers import Motion
 from move.sim.scene import camera
 from move.sim.scene.scene import Scene
+from move.statistics.intervals import wilson_interval
 
 Check = Callable[[Any], str]
 EXERCISES: dict[str, Check] = {}

@@ -16,8 +16,7 @@ import torch
 from IPython.display import Markdown, display
 from matplotlib.axes import Axes
 
-from move import paths
-from move.intervals import exact_interval, wilson_interval
+from move import experiments, paths
 from move.learn.dataset import window_indices
 from move.learn.diffusion import DiffusionPolicy, noise_schedule
 from move.learn.settings import Training
@@ -29,10 +28,11 @@ from move.sim.collection import Method
 from move.sim.demonstrations import Demonstrations
 from move.sim.observe import keypoint_slices
 from move.sim.tasks import get_task
-from move.study import experiments, results
+from move.statistics import cells
+from move.statistics.estimates import success_rate
+from move.statistics.intervals import exact_interval, wilson_interval
+from move.study import results
 from move.study.profiles import load_profile
-from move.study.statistics import cells
-from move.study.statistics.estimates import success_rate
 from move.validation import build
 
 REDRAWN = 0.2  # seconds between two looks at the progress of a training

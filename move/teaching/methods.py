@@ -16,7 +16,7 @@ from move.sim.collect import collect
 from move.sim.collection import Collection
 from move.sim.coverage import configurations
 from move.sim.tasks import get_task
-from move.study.statistics.estimates import success_rate
+from move.statistics.estimates import success_rate
 from move.teaching.paths import shares
 
 

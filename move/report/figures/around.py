@@ -8,11 +8,11 @@ import matplotlib.pyplot as plt
 import pandas as pd
 from matplotlib.figure import Figure
 
+from move.claims.rule import VERDICTS
 from move.report import maps, plots
 from move.report.figures.panels import Strips, empty_panel
 from move.report.style import NAMES, PAGE_WIDTH, remark, titles
 from move.sim.configuration import Box
-from move.study.claims.rule import VERDICTS
 
 
 def fig2_overview(seen: Mapping[str, pd.DataFrame], shares: pd.DataFrame, ranges: Mapping[str, Box], strips: Strips,
@@ -110,7 +110,7 @@ def statistics(simulated: pd.DataFrame) -> Figure:
     """How often the intervals hold the truth, and how wide they are.
 
     Args:
-        simulated: as `move.study.statistics.simulation.coverage` gives it.
+        simulated: as `move.statistics.simulation.coverage` gives it.
     """
     figure, axes = plt.subplots(1, 2, figsize=(PAGE_WIDTH, 2.8))
     plots.coverages(simulated, axes[0])

@@ -10,9 +10,9 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from move.intervals import student_half_width, wilson_interval
 from move.report.plots.axes import GREY, PRINTED, errors, success_axis
 from move.report.style import COLOURS, LEAST_POINTS, NAMES
+from move.statistics.intervals import student_half_width, wilson_interval
 
 NORMAL = 1.96  # half width of a 95 % interval in standard deviations, where these are known
 

@@ -72,7 +72,7 @@ def coverages(table: pd.DataFrame, ax: Axes) -> None:
     """How often intervals hold the truth: one group a deviation of trainings, one mark a number of seeds.
 
     Args:
-        table: as `move.study.statistics.simulation.coverage` gives it.
+        table: as `move.statistics.simulation.coverage` gives it.
     """
     deviations, counts = sorted(table.deviation.unique()), sorted(table.seeds.unique())
     shifts = dict(zip(counts, np.linspace(-0.22, 0.22, len(counts)) * (len(counts) > 1), strict=True))

@@ -1,5 +1,6 @@
 """What rates and differences can say.
 
+intervals.py         of one rate, and of a mean
 estimates.py         rates, differences, means over tasks: intervals that know trainings and configurations
 cells.py             from a table of episodes to arrays of successes
 simulation.py        how often the intervals hold the truth

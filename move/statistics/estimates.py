@@ -22,7 +22,7 @@ import numpy as np
 from scipy import stats
 from statsmodels.stats.multitest import multipletests
 
-from move.intervals import CONFIDENCE
+from move.statistics.intervals import CONFIDENCE
 
 OWN_SEEDS = 3  # from so many on a cell's own seeds tell its training variance
 RATE_SHARE, DIFFERENCE_SHARE = 0.3, 1.3

@@ -8,11 +8,11 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
+from move.experiments.budgets import budgets
+from move.experiments.registry import Count, Seeds, experiment
 from move.sim.collection import FASTEST, FASTEST_TURN
 from move.sim.motion.wrappers import movable
 from move.sim.tasks import get_task
-from move.study.experiments.budgets import budgets
-from move.study.experiments.registry import Count, Seeds, experiment
 from move.study.kinds import policy_run
 from move.study.labels import LabelledRun, grid
 from move.study.profiles import Profile

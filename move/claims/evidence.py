@@ -11,15 +11,15 @@ import numpy as np
 import pandas as pd
 from scipy import stats
 
-from move.intervals import CONFIDENCE
+from move.claims.rule import Finding, Item, Missing
+from move.experiments import registry
 from move.paths import results
-from move.study.claims.rule import Finding, Item, Missing
-from move.study.experiments import registry
+from move.statistics.cells import successes, training_noise
+from move.statistics.estimates import Estimate, TrainingNoise, difference, mean_difference, success_rate
+from move.statistics.intervals import CONFIDENCE
 from move.study.labels import LabelledRun
 from move.study.profiles import Profile
 from move.study.results import Result, split, table
-from move.study.statistics.cells import successes, training_noise
-from move.study.statistics.estimates import Estimate, TrainingNoise, difference, mean_difference, success_rate
 
 Where = dict[str, Any]
 EPISODE_COLUMNS = ["run", "kind", "task", "method", "observation", "timesteps", "factors", "hand_spread", "seed",

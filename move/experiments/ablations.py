@@ -5,11 +5,11 @@ from __future__ import annotations
 from functools import partial
 from typing import Any
 
+from move.experiments.budgets import budgets
+from move.experiments.registry import Count, Multiple, Repeats, experiment
 from move.learn.evaluate import Evaluation
 from move.paper import PAPER_TASKS
 from move.sim.motion.adc import JUMPS
-from move.study.experiments.budgets import budgets
-from move.study.experiments.registry import Count, Multiple, Repeats, experiment
 from move.study.kinds import policy_run
 from move.study.labels import LabelledRun, distinct, grid
 from move.study.profiles import Profile

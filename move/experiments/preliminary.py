@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from functools import partial
 
+from move.experiments.registry import Count, Counts, Observation, Repeats, Seeds, experiment
 from move.sim.tasks import FACTORS
-from move.study.experiments.registry import Count, Counts, Observation, Repeats, Seeds, experiment
 from move.study.kinds import policy_run
 from move.study.labels import LabelledRun, grid
 from move.study.profiles import Profile

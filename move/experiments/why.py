@@ -7,11 +7,11 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
+from move.experiments.budgets import budgets
+from move.experiments.dimensions import fig6_dimensions
+from move.experiments.preliminary import fig1_sparse, fig3_dense, fig5_circle, table1_spatial_factors
+from move.experiments.registry import Count, Observation, Seeds, experiment
 from move.paper import PAPER_TASKS
-from move.study.experiments.budgets import budgets
-from move.study.experiments.dimensions import fig6_dimensions
-from move.study.experiments.preliminary import fig1_sparse, fig3_dense, fig5_circle, table1_spatial_factors
-from move.study.experiments.registry import Count, Observation, Seeds, experiment
 from move.study.kinds import policy_run
 from move.study.labels import LabelledRun, distinct, grid
 from move.study.profiles import Profile

@@ -13,8 +13,8 @@ import pandas as pd
 from scipy.optimize import root
 from scipy.special import expit
 
-from move.intervals import wilson_interval
-from move.study.statistics.estimates import OWN_SEEDS, UNKNOWN, TrainingNoise, pooled_noise, success_rate
+from move.statistics.estimates import OWN_SEEDS, UNKNOWN, TrainingNoise, pooled_noise, success_rate
+from move.statistics.intervals import wilson_interval
 
 DIFFICULTY = 1.5  # logits by which configurations differ, standard deviation
 LIKE_CELLS = 10  # cells of three seeds that tell a single seed's noise

@@ -15,8 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import isotonic_regression
 
-from move.intervals import CONFIDENCE
-from move.study.statistics.estimates import UNKNOWN, TrainingNoise
+from move.statistics.estimates import UNKNOWN, TrainingNoise
+from move.statistics.intervals import CONFIDENCE
 
 Curve = Mapping[int, np.ndarray]
 """Timesteps -> successes, (seeds, configurations)."""

@@ -11,16 +11,16 @@ import numpy as np
 import pandas as pd
 
 from move import paper
+from move.claims.evidence import Evidence
+from move.claims.rule import CLAIMS, Contradiction, Finding, Item, Missing, Untestable, claim, verdict
 from move.paper import PAPER_TASKS
 from move.realworld.trials import compare
 from move.sim.collection import Collection, Method
 from move.sim.coverage import PARTS, configurations, visited_share
 from move.sim.grasp_points import CIRCLE
 from move.sim.tasks import TASKS, get_task
-from move.study.claims.evidence import Evidence
-from move.study.claims.rule import CLAIMS, Contradiction, Finding, Item, Missing, Untestable, claim, verdict
-from move.study.statistics.cells import successes
-from move.study.statistics.data_efficiency import data_efficiency
+from move.statistics.cells import successes
+from move.statistics.data_efficiency import data_efficiency
 
 STATIC, ADC, MOVE = ({"method": name, "observation": "rgb"} for name in ("static", "adc", "move"))
 EQUALLY_GOOD = 0.10  # two budgets count as equally good where the difference is surely above minus ten points

@@ -16,7 +16,7 @@ the same budget, recipe, evaluation and seeds.
 """
 
 # ruff: noqa: I001, the order of import is the order in which the experiments are listed and planned
-from move.study.experiments.preliminary import (
+from move.experiments.preliminary import (
     HAND_SPREAD,
     few_demonstrations,
     fig1_sparse,
@@ -24,13 +24,13 @@ from move.study.experiments.preliminary import (
     fig5_circle,
     table1_spatial_factors,
 )
-from move.study.experiments.main import generalization, rollouts, table2_main
-from move.study.experiments.scaling import fig4_scaling
-from move.study.experiments.dimensions import fig6_dimensions, fig7_speed
-from move.study.experiments.why import equal_demonstrations, fig_coverage, fig_mixture, fig_perception
-from move.study.experiments.ablations import RECIPE_CHANGES, fig_training_length, table_adc, table_recipe
-from move.study.experiments.controls import keypoint_control, table6_collection, table_keypoint_control
-from move.study.experiments.registry import EXPERIMENTS, defaults, experiment, parameters, runs, specs
+from move.experiments.main import generalization, rollouts, table2_main
+from move.experiments.scaling import fig4_scaling
+from move.experiments.dimensions import fig6_dimensions, fig7_speed
+from move.experiments.why import equal_demonstrations, fig_coverage, fig_mixture, fig_perception
+from move.experiments.ablations import RECIPE_CHANGES, fig_training_length, table_adc, table_recipe
+from move.experiments.controls import keypoint_control, table6_collection, table_keypoint_control
+from move.experiments.registry import EXPERIMENTS, defaults, experiment, parameters, runs, specs
 
 __all__ = [
     "EXPERIMENTS", "HAND_SPREAD", "RECIPE_CHANGES", "defaults", "equal_demonstrations", "experiment",

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from functools import partial
 
+from move.experiments.budgets import budgets
+from move.experiments.registry import Count, Seeds, experiment
 from move.paper import PAPER_METHODS, PAPER_TASKS, published
 from move.sim.tasks import get_task
-from move.study.experiments.budgets import budgets
-from move.study.experiments.registry import Count, Seeds, experiment
 from move.study.kinds import policy_run
 from move.study.labels import LabelledRun, distinct, grid
 from move.study.profiles import Profile

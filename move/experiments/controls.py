@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from functools import partial
 
+from move.experiments.floors import floors_and_ceilings
+from move.experiments.registry import Count, Repeats, experiment
 from move.paper import PAPER_METHODS, PAPER_TASKS
 from move.sim.experts.phase import EXPERTS
 from move.sim.observe import IMAGE_SIZE
-from move.study.experiments.floors import floors_and_ceilings
-from move.study.experiments.registry import Count, Repeats, experiment
 from move.study.kinds import collector_run, policy_run
 from move.study.labels import LabelledRun, grid
 from move.study.profiles import Profile

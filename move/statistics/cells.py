@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 
 from move.sim.collection import METHODS
-from move.study.statistics.estimates import UNKNOWN, TrainingNoise, pooled_noise
+from move.statistics.estimates import UNKNOWN, TrainingNoise, pooled_noise
 
 
 def successes(episodes: pd.DataFrame) -> np.ndarray:

@@ -20,10 +20,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from move.study.statistics.estimates import holm
+from move.statistics.estimates import holm
 
 if TYPE_CHECKING:
-    from move.study.claims.evidence import Evidence
+    from move.claims.evidence import Evidence
 
 LEVEL = 0.05
 VERDICTS = ("supported", "partly", "not here", "contradicted by the paper's own table", "cannot be tested here",
