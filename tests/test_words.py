@@ -105,6 +105,8 @@ def test_what_the_paper_calls_equal_is_move_at_the_smaller_budget_minus_static_a
     assert first.startswith("Pick-Place, MOVE at 20,000 timesteps minus static at 50,000 (the paper: equal): +20 poin")
     assert first.endswith("above 0")
     assert second == "Assembly, MOVE at 50,000 timesteps minus static at 100,000 (the paper: equal): not computed yet"
+    others = efficiency.equal_budgets(episodes.assign(task="push"))
+    assert others.empty and efficiency.spoken_equal(others).startswith("None of these tasks")
 
 
 def test_an_efficiency_is_told_task_by_task_and_by_its_median():

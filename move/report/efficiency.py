@@ -79,7 +79,7 @@ def spoken_equal(table: pd.DataFrame) -> str:
     return "; ".join(
         f"{TASKS[row.task].title}, MOVE at {row.move_timesteps:,} timesteps minus static at {row.static_timesteps:,} "
         f"(the paper: equal): {spoken_difference(row) if pd.notna(row.difference) else 'not computed yet'}"
-        for _, row in table.iterrows())
+        for _, row in table.iterrows()) or "None of these tasks has budgets that the paper calls equal"
 
 
 def _efficiency(row) -> Efficiency:
