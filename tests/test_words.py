@@ -5,6 +5,7 @@ import pandas as pd
 import pytest
 import recipes
 
+from move.experiments import noise
 from move.report import captions, covered, differences, efficiency, page, tables, variants
 from move.sim.collect import Collection
 from move.statistics.estimates import UNKNOWN
@@ -228,9 +229,9 @@ def test_the_noise_of_a_figure_is_that_of_table_2_from_the_same_observation(monk
         asked.append({(spec.observation, spec.task, spec.evaluation.factors) for spec in specs})
         return [], []
 
-    monkeypatch.setattr(page, "split", split)
-    assert page.known_noise(LAPTOP, "rgb") is UNKNOWN and page.known_noise(LAPTOP, "keypoints") is UNKNOWN
+    monkeypatch.setattr(noise, "split", split)
+    assert noise.known_noise(LAPTOP, "rgb") is UNKNOWN and noise.known_noise(LAPTOP, "keypoints") is UNKNOWN
     for observation, cells_asked in zip(("rgb", "keypoints"), asked, strict=True):
         assert {seen for seen, _, _ in cells_asked} == {observation} and len({task for _, task, _ in cells_asked}) == 10
         assert {factors for _, _, factors in cells_asked} == {"all"}
-    assert page.known_noise(load_profile("laptop-keypoints"), "rgb") is UNKNOWN and len(asked) == 2
+    assert noise.known_noise(load_profile("laptop-keypoints"), "rgb") is UNKNOWN and len(asked) == 2

@@ -13,6 +13,7 @@ from scipy import stats
 
 from move.claims.rule import Finding, Item, Missing
 from move.experiments import registry
+from move.experiments.noise import known_noise
 from move.paths import results
 from move.statistics.cells import successes, training_noise
 from move.statistics.estimates import Estimate, TrainingNoise, difference, mean_difference, success_rate
@@ -101,9 +102,12 @@ class Evidence:
         return Missing(f"{what} (no experiment yet)", runs, runs * steps * self._minutes_a_step)
 
     def noise(self) -> TrainingNoise:
-        """How much rates from pixels vary from training to training, from table 2's repeated cells."""
-        episodes = self.episodes("table2_main")
-        return training_noise(episodes[episodes.observation == "rgb"], ["task", "method", "timesteps"])
+        """How much rates from pixels vary from training to training."""
+        return self._known_noise
+
+    @cached_property
+    def _known_noise(self) -> TrainingNoise:
+        return known_noise(self.profile, "rgb")
 
     def _noise(self, experiment: str) -> TrainingNoise:
         return self.noise() if self.profile.training.get("rgb") else training_noise(self.episodes(experiment), ["task"])

@@ -14,10 +14,7 @@ from matplotlib.figure import Figure
 
 from move import paths
 from move.errors import BadInput
-from move.experiments import table2_main, table_keypoint_control
 from move.report import captions, changes, printed, style
-from move.statistics.cells import training_noise
-from move.statistics.estimates import UNKNOWN, TrainingNoise
 from move.study.execute import execute, progress_bars
 from move.study.labels import LabelledRun
 from move.study.profiles import Profile
@@ -100,19 +97,6 @@ def steps(items: Iterable[Item], what: str) -> Iterator[Item]:
         for item in listed:
             yield item
             bars.update(bar, advance=1, refresh=True)
-
-
-def known_noise(profile: Profile, observation: str) -> TrainingNoise:
-    """How much a rate varies from training to training, from the profile's stored runs with everything random.
-
-    For a cell that has fewer than three seeds itself: from pixels all seeds of table 2 that are stored, from keypoints
-    those of its control at the smaller budget. Nothing is known where no cell has two, or without such a recipe.
-    """
-    if observation not in profile.training:
-        return UNKNOWN
-    runs = table2_main(profile, seeds=3, control_seeds=0) if observation == "rgb" else table_keypoint_control(profile)
-    episodes = table(split([run.spec for run in runs if run.spec.training], paths.results(profile))[0])
-    return training_noise(episodes, ["task", "method", "timesteps"]) if len(episodes) else UNKNOWN
 
 
 def save_outputs(name: str, figure: Figure | None, tables: dict[str, pd.DataFrame], loaded: Loaded, found: str = "",

@@ -83,7 +83,7 @@ def fig7_speed(rates: pd.DataFrame) -> Figure:
             if len(moved := here[here.part == part]):
                 plots.curve(moved, "speed", units[part], ax)
                 for still in here[(here.part == "nothing") & here.value.notna()].itertuples():
-                    plots.level(still.value, "static", ax)
+                    plots.level(still.value, "static", ax, right=0.93)  # beside the last speed's interval
             else:
                 empty_panel("not part of this study", ax)
             ax.set_ylabel("success (%)" if ax is row[0] else "")

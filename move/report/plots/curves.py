@@ -52,10 +52,10 @@ def printed_points(points: pd.DataFrame, ax: Axes) -> None:
                 clip_on=False)
 
 
-def level(value: float, label: str, ax: Axes, style: str = "--") -> None:
-    """A labelled horizontal line: a floor, a ceiling or a value of the paper."""
+def level(value: float, label: str, ax: Axes, style: str = "--", right: float = 1.0) -> None:
+    """A horizontal line, a floor or a ceiling, whose label ends at `right`, a share of the axis."""
     ax.axhline(value, color="#666666", lw=0.9, ls=style)
-    ax.annotate(label, (1, value), xycoords=("axes fraction", "data"), xytext=(-2, 2), textcoords="offset points",
+    ax.annotate(label, (right, value), xycoords=("axes fraction", "data"), xytext=(-2, 2), textcoords="offset points",
                 ha="right", fontsize=LEAST_POINTS, color="#444444")
 
 
