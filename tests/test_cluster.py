@@ -105,13 +105,13 @@ def test_without_workers_one_is_told_and_ctrl_c_ends_it(tmp_path, capfd, monkeyp
 
 def test_ctrl_c_ends_a_cluster_at_once_and_nothing_more_is_begun(tmp_path):
     with two_threads() as address:
-        with interrupted(4):
+        with interrupted(3):
             execute.execute(LONG, tmp_path, address, quiet=True)
         assert not list(tmp_path.iterdir())  # no token either
 
 
 def test_ctrl_c_ends_local_runs_at_once(tmp_path):
-    with interrupted(3):
+    with interrupted(2):
         execute.execute(LONG, tmp_path, workers=2, quiet=True)
 
 

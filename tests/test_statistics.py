@@ -7,7 +7,7 @@ from move.statistics import estimates as statistics
 from move.statistics.estimates import difference, holm, mean_difference, over_tasks, pooled_noise, success_rate
 from move.statistics.simulation import coverage, like_noise, outcomes
 
-DRAWS = 4000
+DRAWS = 2000
 
 
 CASES = [(seeds, deviation, rate) for seeds in (1, 3, 5) for deviation, rate in ((0.03, 0.9), (0.08, 0.5), (0.2, 0.4))]
