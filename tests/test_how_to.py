@@ -48,7 +48,6 @@ def test_a_commit_is_as_small_as_its_page_says_and_holds_its_code(name):
     assert set(block.splitlines()) <= {*lines, ""}
 
 
-
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "collected", "profile"), [
     ("encoder", ["--observation", "rgb", "--image-size", 48], "pooled"), ("method", ["--method", "jitter"], "smoke"),

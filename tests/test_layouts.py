@@ -277,7 +277,7 @@ def test_table_1_names_what_is_random_and_tables_2_and_adc_their_marks():
 
 def test_table_2_names_its_methods_once_and_its_differences_with_the_papers_last():
     compared = pd.DataFrame([{"task": task, "baseline": other, "difference": 0.1, "low": 0.0, "high": 0.2, "paper": 0.3}
-                         for task in PAPER_TASKS for other in ("static", "adc")])
+                             for task in PAPER_TASKS for other in ("static", "adc")])
     controls = pd.DataFrame({"expert": 1.0, "goal-blind": 0.3}, index=list(PAPER_TASKS))
     table = rates(PAPER_METHODS, task=PAPER_TASKS)
     figure = figures.table2_main(table, table.drop(columns="paper"), controls, compared, pd.DataFrame())

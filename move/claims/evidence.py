@@ -101,16 +101,13 @@ class Evidence:
         steps = self.profile.recipe("rgb", 20_000).gradient_steps if "rgb" in self.profile.training else 0
         return Missing(f"{what} (no experiment yet)", runs, runs * steps * self._minutes_a_step)
 
+    @cached_property
     def noise(self) -> TrainingNoise:
         """How much rates from pixels vary from training to training."""
-        return self._known_noise
-
-    @cached_property
-    def _known_noise(self) -> TrainingNoise:
         return known_noise(self.profile, "rgb")
 
     def _noise(self, experiment: str) -> TrainingNoise:
-        return self.noise() if self.profile.training.get("rgb") else training_noise(self.episodes(experiment), ["task"])
+        return self.noise if self.profile.training.get("rgb") else training_noise(self.episodes(experiment), ["task"])
 
     def _rows(self, experiment: str, where: Where) -> pd.DataFrame:
         return _where(self.episodes(experiment), where)

@@ -113,7 +113,7 @@ def _efficiency(evidence: Evidence, task: str) -> Item:
     budget = min(get_task(task).timesteps, 20_000)
     if min(map(len, curves.values())) < 3 or budget not in curves["move"]:
         return evidence.missing(f"{TASKS[task].title}, three budgets", "fig4_scaling", {"task": task})
-    found = data_efficiency(curves["static"], curves["move"], budget, evidence.noise())
+    found = data_efficiency(curves["static"], curves["move"], budget, evidence.noise)
     return Finding(TASKS[task].title, found.ratio, found.low, found.high, 1.0, runs=tuple(rows.run.unique()))
 
 

@@ -36,10 +36,8 @@ from move.experiments.registry import EXPERIMENTS, defaults, experiment, paramet
 
 __all__ = [
     "EXPERIMENTS", "HAND_SPREAD", "RECIPE_CHANGES", "defaults", "equal_demonstrations", "experiment",
-    "few_demonstrations", "fig1_sparse",
-    "fig3_dense", "fig4_scaling", "fig5_circle", "fig6_dimensions", "fig7_speed", "fig_coverage", "fig_mixture",
-    "fig_perception", "fig_training_length", "generalization", "keypoint_control", "known_noise", "parameters",
-    "rollouts",
-    "runs", "specs", "table1_spatial_factors", "table2_main", "table6_collection", "table_adc",
-    "table_keypoint_control", "table_recipe",
+    "few_demonstrations", "fig1_sparse", "fig3_dense", "fig4_scaling", "fig5_circle", "fig6_dimensions", "fig7_speed",
+    "fig_coverage", "fig_mixture", "fig_perception", "fig_training_length", "generalization", "keypoint_control",
+    "known_noise", "parameters", "rollouts", "runs", "specs", "table1_spatial_factors", "table2_main",
+    "table6_collection", "table_adc", "table_keypoint_control", "table_recipe",
 ]
