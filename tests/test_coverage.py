@@ -7,6 +7,7 @@ import pytest
 import recipes
 
 from move.learn import rollout
+from move.learn.agents import PolicyAgent, Recorded
 from move.learn.evaluate import Evaluation
 from move.learn.train import train
 from move.machine import gl_problem
@@ -71,18 +72,6 @@ def test_moving_scenes_cover_more(seen):
         assert shares["move"] > 2 * shares["static"]
 
 
-@pytest.mark.parametrize(("part", "field"), [("translation", "object_speed"), ("rotation", "yaw_speed"),
-                                             ("camera", "camera_speed")])
-def test_a_strip_shows_one_motion_alone(part, field):
-    speeds = film.only(part).model_dump()
-    assert [name for name, speed in speeds.items() if speed] == [field]
-
-
-def test_a_strip_says_how_fast_it_is():
-    assert film.pace("translation") == "as fast as in the data"
-    assert film.pace("camera") == "4 times as fast as in the data" and film.pace("rotation").startswith("5.7 times")
-
-
 def test_a_strip_is_evenly_spaced_frames_with_their_timesteps():
     frames = np.arange(9, dtype=np.uint8)[:, None, None, None].repeat(2, 1).repeat(2, 2).repeat(3, 3)
     strip, steps = film.strip(frames, 3)
@@ -131,8 +120,11 @@ def test_episodes_are_drawn_in_a_seeded_order_until_one_succeeds_and_one_fails(m
     spec = PolicyRun(task="pick-place", seed=0, collection=plan, training=training, evaluation=Evaluation(episodes=6))
     policy, _ = train(collect(plan, 0)[0], training, 0)
     monkeypatch.setattr(rollout, "EPISODE_STEPS", 6)
-    row, frames = film.episode_frames(policy, spec, 4, 32)
+    row, frames = film.episode_frames(PolicyAgent(policy, 0), spec, 4, 32)
     assert row["trial"] == 4 and frames.shape == (7, 32, 32, 3)
+    moved = np.full((3, 4), 0.5, np.float32)
+    row, again = film.episode_frames(Recorded(moved), spec, 4, 32)
+    assert again.shape == frames.shape and np.array_equal(again[0], frames[0]) and not np.array_equal(again, frames)
     played = []
 
     def ends(policy, spec, number, image_size):
@@ -140,12 +132,13 @@ def test_episodes_are_drawn_in_a_seeded_order_until_one_succeeds_and_one_fails(m
         return {"trial": number, "success": number in (1, 4)}, np.zeros((1, 2, 2, 3))
 
     monkeypatch.setattr(film, "episode_frames", ends)
-    success, failure = film.one_of_each(policy, spec, np.random.default_rng(3), 32)
+    success, failure = film.one_of_each(lambda _: PolicyAgent(policy, 0), spec, np.random.default_rng(3), 32)
     assert (success[0]["success"], failure[0]["success"]) == (True, False)
     assert played == list(np.random.default_rng(3).permutation(6))[:len(played)]
     assert {success[0]["trial"], failure[0]["trial"]} <= set(played)
     monkeypatch.setattr(film, "episode_frames", lambda *arguments: ({"success": False}, None))
-    assert film.one_of_each(policy, spec, np.random.default_rng(3), 32) == [({"success": False}, None)]
+    only = film.one_of_each(lambda _: PolicyAgent(policy, 0), spec, np.random.default_rng(3), 32)
+    assert only == [({"success": False}, None)]
 
 
 def test_the_same_frames_are_the_same_film_every_time(tmp_path):

@@ -1,6 +1,7 @@
 """What acts in an evaluation: a policy, or one of the controls between which policies are read.
 
     PolicyAgent    a diffusion policy
+    Recorded        one episode of a policy again, action by action
     Nothing         never moves
     Random          acts uniformly at random
     Expert          the ceiling: a scripted expert
@@ -66,6 +67,27 @@ class PolicyAgent:
         assert observations is not None, "a policy has an observation horizon of 1 or more"
         noise = torch.randn(self.shape, generator=self.generator)[running]
         return self.policy.act(observations, noise=noise)
+
+
+class Recorded:
+    """One episode again: the same on every machine, whereas a policy's rounding differs from processor to processor.
+
+    Args:
+        actions: (steps, action_size) float32, as they were executed; after the last one it is repeated.
+    """
+
+    action_steps, observation_horizon = 1, 0
+
+    def __init__(self, actions: np.ndarray) -> None:
+        self.actions = actions
+
+    def start(self, scenes: list[Scene]) -> None:
+        """Nothing to do."""
+
+    def act(self, running: list[int], scenes: list[Scene], observations: np.ndarray | None) -> np.ndarray:
+        """The action that was executed in each episode's present step."""
+        last = len(self.actions) - 1
+        return np.stack([self.actions[[min(scenes[number].steps, last)]] for number in running])
 
 
 class Nothing:

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
 from matplotlib import get_data_path
 from PIL import Image, ImageDraw, ImageFont
 
-from move.learn.agents import PolicyAgent
-from move.learn.diffusion import DiffusionPolicy
+from move.learn.agents import Agent
 from move.learn.evaluate import evaluate
 from move.sim.collect import attempts
 from move.sim.collection import Collection, Method
@@ -40,31 +39,34 @@ def demonstration_frames(collection: Collection, seed: int) -> np.ndarray:
     return np.stack(next(episode.observations for episode in attempts(collection, seed) if episode.succeeded))
 
 
-def episode_frames(policy: DiffusionPolicy, spec: PolicyRun, number: int, image_size: int) -> tuple[dict, np.ndarray]:
-    """Play one evaluation episode of a run again: its row, and every timestep as (steps, size, size, 3) uint8.
+def episode_frames(agent: Agent, spec: PolicyRun, number: int, image_size: int) -> tuple[dict, np.ndarray]:
+    """Play one evaluation episode of a run: its row, and every timestep as (steps, size, size, 3) uint8.
 
     Raises:
         BadInput: images cannot be drawn on this machine.
     """
     frames: list[np.ndarray] = []
     (row,) = evaluate(
-        PolicyAgent(policy, spec.seed), get_task(spec.task), spec.evaluation, spec.collection.observed,
+        agent, get_task(spec.task), spec.evaluation, spec.collection.observed,
         indices={number}, callback=lambda _, scene: frames.append(scene.render_image(image_size)),
     )
     return row, np.stack(frames)
 
 
 def one_of_each(
-    policy: DiffusionPolicy, spec: PolicyRun, rng: np.random.Generator, image_size: int, tries: int = 20
+    acting: Callable[[int], Agent], spec: PolicyRun, rng: np.random.Generator, image_size: int, tries: int = 20
 ) -> list[tuple[dict, np.ndarray]]:
     """Play evaluation episodes in random order until one has succeeded and one has failed; these two, or the only one.
 
     An episode is played alone here and was played beside others in the evaluation; rounding differs a little, and an
     episode that hangs on a millimetre may end otherwise.
+
+    Args:
+        acting: who acts in the episode of a number.
     """
     shown: dict[bool, tuple[dict, np.ndarray]] = {}
     for number in rng.permutation(spec.evaluation.episodes)[:tries]:
-        row, frames = episode_frames(policy, spec, int(number), image_size)
+        row, frames = episode_frames(acting(int(number)), spec, int(number), image_size)
         shown.setdefault(row["success"], (row, frames))
         if len(shown) == 2:
             break
@@ -81,7 +83,7 @@ def only(part: str) -> Motions:
     """Motions of which only one is left, fast enough to be seen: "translation", "rotation" or "camera"."""
     still = {"object_speed": 0.0, "target_speed": 0.0, "yaw_speed": 0.0, "camera_speed": 0.0}
     moving = {"translation": {"object_speed": 0.03}, "rotation": {"yaw_speed": 0.1}, "camera": {"camera_speed": 0.07}}
-    return Motions(**{**still, **moving[part]})
+    return Motions.model_validate({**still, **moving[part]})
 
 
 def pace(part: str) -> str:

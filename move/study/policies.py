@@ -3,14 +3,22 @@
 from __future__ import annotations
 
 import shutil
+from collections.abc import Callable
 from pathlib import Path
+
+import numpy as np
+from safetensors import SafetensorError
+from safetensors.numpy import load_file, save_file
 
 from move import paths
 from move.errors import BadInput
+from move.learn.agents import Agent, PolicyAgent, Recorded
 from move.learn.checkpoint import load_policy, read
 from move.learn.diffusion import DiffusionPolicy
 from move.study.profiles import Profile
 from move.study.spec import RunSpec
+
+EPISODES = "episodes.safetensors"  # beside a shipped policy: what it did in some of its evaluation's episodes
 
 
 def _shipped(spec: RunSpec, profile: Profile) -> Path:
@@ -37,6 +45,41 @@ def trained_policy(spec: RunSpec, profile: Profile) -> DiffusionPolicy:
             return load_policy(folder, task=spec.task)
     raise BadInput(f"{spec.label}: its policy is not shipped; delete {paths.results(profile) / spec.hash}.json and "
                    "give `move run` again to train it here")
+
+
+def acting(spec: RunSpec, profile: Profile) -> Callable[[int], Agent]:
+    """Who acts in the evaluation's episode of a number: its policy as it was recorded there, else the policy anew.
+
+    Raises:
+        BadInput: the policy is not there, or what was recorded is damaged.
+    """
+    policy, recorded = trained_policy(spec, profile), recorded_episodes(spec, profile)
+    return lambda number: Recorded(recorded[number]) if number in recorded else PolicyAgent(policy, spec.seed)
+
+
+def recorded_episodes(spec: RunSpec, profile: Profile) -> dict[int, np.ndarray]:
+    """Of some episodes of a shipped policy's evaluation, by number, the actions: (steps, action_size) float32.
+
+    Raises:
+        BadInput: the file is damaged.
+    """
+    path = _shipped(spec, profile) / EPISODES
+    if not path.exists():
+        return {}
+    try:
+        found = {int(number): actions for number, actions in load_file(path).items()}
+    except (SafetensorError, ValueError) as error:
+        raise BadInput(f"{path}: damaged; allowed is what tools/record_episodes.py writes") from error
+    if not all(actions.ndim == 2 and len(actions) and np.isfinite(actions).all() for actions in found.values()):
+        raise BadInput(f"{path}: not actions; allowed is what tools/record_episodes.py writes")
+    return found
+
+
+def record_episodes(spec: RunSpec, profile: Profile, episodes: dict[int, np.ndarray]) -> Path:
+    """Write what a shipped policy did in these episodes beside it."""
+    path = _shipped(spec, profile) / EPISODES
+    save_file({str(number): np.ascontiguousarray(actions, np.float32) for number, actions in episodes.items()}, path)
+    return path
 
 
 def ship(spec: RunSpec, profile: Profile) -> Path:

@@ -6,6 +6,7 @@ import numpy as np
 from IPython.display import Markdown, Video
 
 from move import paths
+from move.learn.agents import PolicyAgent
 from move.learn.diffusion import DiffusionPolicy
 from move.machine import gl_problem
 from move.paper import PAPER_METHODS
@@ -34,7 +35,7 @@ def outcomes_film(policy: DiffusionPolicy, spec: PolicyRun, size: int, seed: int
     """
     if problem := gl_problem():
         return Markdown(f"No film: {problem}.")
-    played = film.one_of_each(policy, spec, np.random.default_rng(seed), size)
+    played = film.one_of_each(lambda _: PolicyAgent(policy, spec.seed), spec, np.random.default_rng(seed), size)
     films = [film.titled(frames, f"configuration {row['trial']}", spec.task, "success" if row["success"] else "failure")
              for row, frames in played]
     return embedded(film.side_by_side(films), f"{spec.method}_outcomes")

@@ -1,0 +1,42 @@
+"""Shipped policies: what they did in the episodes of the films, recorded beside them."""
+
+import numpy as np
+import pandas as pd
+import pytest
+from safetensors.numpy import save_file
+
+from move import experiments, paths
+from move.errors import BadInput
+from move.learn.agents import PolicyAgent, Recorded
+from move.machine import gl_problem
+from move.report import film
+from move.study import policies
+from move.study.profiles import load_profile
+
+LAPTOP = load_profile("laptop")
+SPECS = experiments.specs("rollouts", LAPTOP)
+
+
+@pytest.mark.skipif(gl_problem() is not None, reason="no GL library on this machine")
+def test_the_films_shown_are_what_the_shipped_policies_did_and_other_episodes_are_played_anew():
+    listed = pd.read_csv(paths.ROOT / "paper_figures/rollouts.csv")
+    for spec in SPECS:
+        acting = policies.acting(spec, LAPTOP)
+        for row in listed[listed.method == spec.method].itertuples():
+            assert isinstance(acting(row.episode), Recorded)
+            again, frames = film.episode_frames(acting(row.episode), spec, row.episode, 16)
+            assert ("success" if again["success"] else "failure", again["steps"]) == (row.outcome, row.steps)
+            assert len(frames) == row.steps + 1
+        assert isinstance(acting(1), PolicyAgent) and 1 not in policies.recorded_episodes(spec, LAPTOP)
+
+
+@pytest.mark.parametrize("content", [b"", b"not safetensors", {"a": np.zeros((2, 4))}, {"3": np.full((2, 4), np.nan)},
+                                     {"3": np.zeros((0, 4))}, {"3": np.zeros(4)}])
+def test_a_damaged_record_of_episodes_is_one_clear_line(content, tmp_path, monkeypatch):
+    spec = SPECS[0]
+    monkeypatch.setattr(paths, "results", lambda profile: tmp_path)
+    path = tmp_path / "policies" / spec.policy_hash / policies.EPISODES
+    path.parent.mkdir(parents=True)
+    save_file(content, path) if isinstance(content, dict) else path.write_bytes(content)
+    with pytest.raises(BadInput, match=r"episodes.safetensors: .*; allowed is what tools/record_episodes.py writes"):
+        policies.recorded_episodes(spec, LAPTOP)
