@@ -19,6 +19,7 @@ Method = Literal["static", "adc", "move", "mixture"]
 Factors = Literal["object", "object+target", "all"]
 Protocol = Literal["random", "sparse", "dense", "circle"]
 ExpertName = Literal["phase", "metaworld"]
+SpeedLaw = Literal["beta", "uniform", "constant"]
 Control = Literal["nothing", "random", "expert", "goal-blind"]
 ExportFormat = Literal["lerobot", "zarr"]
 

@@ -18,7 +18,7 @@ from move.claims.rule import (
     clear_ones,
     verdict,
 )
-from move.experiments import EXPERIMENTS
+from move.experiments import EXPERIMENTS, registry
 from move.study.profiles import load_profile
 
 CLEAR, OPEN = Finding("clear", 0.3, 0.2, 0.4), Finding("open", 0.1, -0.1, 0.3)
@@ -103,8 +103,22 @@ def test_a_claim_without_runs_says_what_it_would_cost(tmp_path, monkeypatch):
     evidence = Evidence(load_profile("laptop"))
     asked = [item for each in CLAIMS.values() if each.figure in EXPERIMENTS for item in each.decided_by(evidence)]
     missing = [item for item in asked if isinstance(item, Missing)]
-    assert len(missing) > 20 and all(item.runs > 0 for item in missing if "(no experiment yet)" not in item.what)
+    assert len(missing) > 20 and all(item.runs > 0 for item in missing)
     assert not [item for item in asked if isinstance(item, Finding)]
+
+
+@pytest.mark.parametrize("profile, gl", [("laptop-keypoints", True), ("smoke", False), ("paper", True)])
+def test_a_claim_that_a_profile_has_no_runs_for_says_so(profile, gl, tmp_path, monkeypatch):
+    monkeypatch.setattr("move.claims.evidence.results", lambda profile: tmp_path)
+    monkeypatch.setattr("move.study.profiles.gl_problem", lambda: None if gl else "no GL")
+    evidence = Evidence(load_profile(profile))
+    for each in CLAIMS.values():
+        if each.figure in EXPERIMENTS:
+            none = not registry.runs(each.figure, evidence.profile)
+            items = [item for item in each.decided_by(evidence) if not isinstance(item, Untestable)]
+            assert all(isinstance(item, Missing) for item in items), each
+            said = [f"(profile {profile} has no runs for it)" in item.what for item in items]
+            assert said == [item.runs == 0 for item in items] and (all(said) or not none), each
 
 
 def test_the_robots_numbers_are_the_papers_thirty_trials():

@@ -151,6 +151,8 @@ FIGURES = {
     "fig6_dimensions": lambda: figures.fig6_dimensions(moves()),
     "fig7_speed": lambda: figures.fig7_speed(speeds()),
     "fig_mixture": lambda: figures.fig_mixture(one_missing(rates(("mixture",), share=[0, 0.25, 1])), "pick-place"),
+    "fig_speed_law": lambda: figures.fig_speed_law(
+        one_missing(rates(("move",), law=["beta", "uniform", "constant"])), "pick-place"),
     "fig_training_length": lambda: figures.fig_training_length(
         one_missing(rates(task=["pick-place", "push", "window-open"], length=[1 / 3, 1, 3]))),
     "equal_demonstrations": lambda: figures.equal_demonstrations(

@@ -68,6 +68,11 @@ def test_a_part_goes_as_fast_as_is_chosen(speed, part, task):
     assert fast == pytest.approx(10 * slow) and 0 < slow < 0.005
 
 
+def test_under_the_constant_law_an_episode_goes_at_the_laws_mean():
+    env = make(speed_law="constant")
+    assert moved(env, steps=1)["object"] == pytest.approx(0.03 * 2 / 7)
+
+
 def test_the_target_goes_as_fast_as_is_chosen_once_the_object_is_grasped():
     def far(**choice) -> float:
         env = make(**choice)
@@ -214,6 +219,7 @@ def test_a_video_is_recorded(tmp_path):
     ({"method": "static", "object_speed": 0.1}, "nothing moves under method 'static'"),
     ({"method": "adc", "moving": ["object"]}, "nothing moves under method 'adc'"),
     ({"factors": "object", "camera_speed": 0.1}, "the camera does not move"),
+    ({"speed_law": "normal"}, "'normal' given; input should be 'beta', 'uniform' or 'constant'"),
 ])
 def test_a_choice_without_sense_is_one_clear_line(choices, message):
     with pytest.raises(BadInput, match=message) as problem:

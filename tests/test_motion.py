@@ -86,6 +86,14 @@ def test_speeds_follow_beta_2_5():
     assert stats.kstest(speeds, stats.beta(2, 5).cdf).pvalue > 0.01
 
 
+def test_other_laws_of_the_speed_have_the_same_mean():
+    rng = np.random.default_rng(4)
+    uniform = np.array([equations.sample_speed(rng, 0.03, "uniform") for _ in range(5000)]) / 0.03
+    assert stats.kstest(uniform, stats.uniform(0, 4 / 7).cdf).pvalue > 0.01
+    assert {equations.sample_speed(rng, 0.03, "constant") for _ in range(3)} == {0.03 * equations.MEAN_SPEED}
+    assert stats.beta(*equations.BETA).mean() == pytest.approx(equations.MEAN_SPEED) == pytest.approx(2 / 7)
+
+
 def test_directions_in_the_plane_are_uniform_unit_vectors():
     rng = np.random.default_rng(1)
     directions = np.array([equations.sample_direction(rng, 2) for _ in range(5000)])

@@ -4,10 +4,12 @@ import numpy as np
 import pytest
 
 from move.errors import BadInput
-from move.sim.collect import attempts, collect
+from move.sim.collect import attempts, collect, surrounded
 from move.sim.collection import Collection
 from move.sim.coverage import configurations
 from move.sim.motion.wrappers import Motions
+from move.sim.scene.scene import Scene
+from move.sim.tasks import get_task
 from move.study.kinds import policy_run
 from move.study.labels import grid
 from move.study.profiles import load_profile
@@ -63,7 +65,25 @@ def test_a_rotation_turns_as_fast_as_is_chosen():
     assert usual.start == fast.start and abs(turned[1]) > abs(turned[0]) > 0
 
 
+@pytest.mark.parametrize("task", ["pick-place", "assembly"])
+def test_under_the_constant_law_all_that_moves_is_as_fast_in_every_demonstration(task):
+    chosen = plan(task=task, speed_law="constant")
+    for seed in range(2):
+        scene = Scene(task)
+        moving = surrounded(scene, chosen)
+        moving.reset(seed=seed)
+        found = {}
+        while moving is not scene:
+            found[type(moving).__name__] = np.linalg.norm(moving.velocity)
+            moving = moving.env
+        scales = {"ObjectTranslation": 0.03, "TargetTranslation": 0.03, "CameraMotion": Motions().camera_speed}
+        if task == "assembly":
+            scales["ObjectRotation"] = Motions().yaw_speed * get_task(task).yaw_speed_scale
+        assert found == pytest.approx({name: 2 / 7 * most for name, most in scales.items()})
+
+
 @pytest.mark.parametrize("same", [
+    {"speed_law": "beta"},
     {"object_speed": 0.03}, {"target_speed": 0.03}, {"camera_speed": Motions().camera_speed},
     {"moving": ("camera", "object", "target")}, {"moving": ["object", "target", "camera"]},
 ])
@@ -88,6 +108,9 @@ def test_without_a_choice_motions_are_what_they_were():
     ({"target_speed": 0.5}, "target_speed: 0.5 given; input should be less than or equal to 0.3"),
     ({"camera_speed": 1.0}, "camera_speed: 1.0 given; input should be less than or equal to 0.349"),
     ({"yaw_speed": 0.1}, "the rotation does not move; allowed are speeds of object, target, camera"),
+    ({"method": "adc", "speed_law": "uniform"}, "speed_law: 'uniform' given; nothing moves under method 'adc'"),
+    ({"speed_law": "normal"}, "speed_law: 'normal' given; input should be 'beta', 'uniform' or 'constant'"),
+    ({"motions": Motions(object_speed=0.1), "speed_law": "uniform"}, "motions are given too"),
     ({"moving": ("moon",)}, "'moon' given; input should be 'object'"),
     ({"moving": ()}, "nothing given; allowed are one or more of object, target, camera"),
     ({"moving": ("object", "object")}, "each once"),

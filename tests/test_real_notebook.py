@@ -1,10 +1,8 @@
-"""The real-robot notebook runs from nothing, without a network, and is kept clean.
-
-In the tests' own process, cell by cell: starting another kernel would tell nothing new.
-"""
+"""The real-robot notebook runs from nothing, without a network, and is kept clean."""
 
 from pathlib import Path
 
+import cells
 import nbformat
 import real_writers as w
 
@@ -18,14 +16,8 @@ def run(tmp_path: Path, monkeypatch, **changes: object) -> dict:
     """Its cells with other parameters, one after the other in this process; what they made is below `tmp_path`."""
     monkeypatch.setattr(paths, "figures", lambda profile: tmp_path / profile.name)
     monkeypatch.setattr(paths, "REALWORLD", tmp_path / "realworld")
-    first, *others = (cell.source for cell in nbformat.read(paths.NOTEBOOKS / f"{NAME}.ipynb", 4).cells
-                      if cell.cell_type == "code")
-    space: dict = {}
-    exec(first, space)
-    assert set(changes) <= set(PARAMETERS) <= set(space)
-    space.update(changes)
-    for source in others:
-        exec(source, space)
+    space = cells.execute(NAME, **changes)
+    assert set(PARAMETERS) <= set(space)
     return space
 
 

@@ -65,11 +65,36 @@ def test_figure_7_varies_one_speed_and_leaves_the_others():
     runs = [run for run in experiments.fig7_speed(LAPTOP, seeds=1) if run.spec.method == "move"]
     for run in runs:
         used, usual = run.spec.collection.motions_used, Motions()
-        changed = {name for name in vars(usual) if not math.isclose(getattr(used, name), getattr(usual, name))}
+        assert used.speed_law == usual.speed_law
+        changed = {name for name in vars(usual) if name.endswith("_speed")
+                   and not math.isclose(getattr(used, name), getattr(usual, name))}
         part, speed = run.labels["part"], run.labels["speed"]
         assert changed == (set() if speed == variants.USUAL[part] else {f"{part}_speed"})
         shown = getattr(used, f"{part}_speed")
         assert math.isclose(math.degrees(shown) if part == "camera" else shown, speed)
+
+
+def test_a_law_of_the_speeds_changes_the_law_alone():
+    runs = {run.labels["law"]: run.spec for run in experiments.fig_speed_law(LAPTOP, seeds=1)}
+    beta = runs["beta"].collection
+    assert {name: spec.method for name, spec in runs.items()} == {
+        "static": "static", "beta": "move", "uniform": "move", "constant": "move"}
+    for law in ("uniform", "constant"):
+        assert runs[law].collection == beta.model_copy(update={"speed_law": law})
+        assert (runs[law].training, runs[law].evaluation) == (runs["beta"].training, runs["beta"].evaluation)
+        assert runs[law].collection.motions_used == Motions(speed_law=law)
+    table2 = {run.spec.hash for run in experiments.table2_main(LAPTOP)}
+    assert {runs["static"].hash, runs["beta"].hash} <= table2
+
+
+def test_laws_are_held_against_the_papers():
+    rows = pd.DataFrame([{"law": law, "method": "static" if law == "static" else "move", "seed": seed, "trial": trial,
+                          "success": trial < 100 * rate}
+                         for law, rate in [("static", 0.2), ("beta", 0.5), ("uniform", 0.4), ("constant", 0.6)]
+                         for seed in range(2) for trial in range(100)])
+    table = variants.law_table(rows)
+    assert list(zip(table.law, table.baseline, table.difference.round(3), strict=True)) == [
+        ("uniform", "beta", -0.1), ("constant", "beta", 0.1)]
 
 
 def test_a_mixture_goes_from_static_to_move():

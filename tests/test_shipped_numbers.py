@@ -60,6 +60,7 @@ def counted(figure: str, named: tuple[str, ...], **only: object) -> pd.DataFrame
     ("fig4_scaling", "fig4_scaling", ("task", "timesteps", "method"), {}),
     ("fig6_dimensions", "fig6_dimensions", ("task", "moves", "method"), {}),
     ("fig_mixture", "fig_mixture", ("share", "method"), {}),
+    ("fig_speed_law", "fig_speed_law", ("law", "method"), {}),
     ("fig_training_length", "fig_training_length", ("task", "length", "method"), {}),
     ("equal_demonstrations", "equal_demonstrations", ("equal", "method"), {}),
 ])
@@ -105,6 +106,7 @@ GAPS = {
     "fig6_dimensions_steps": ("fig6_dimensions", "moves", None, ("task",)),
     "fig7_speed_ends": ("fig7_speed", "speed", None, ("task", "part")),
     "fig_mixture_gains": ("fig_mixture", "share", None, ()),
+    "fig_speed_law_others": ("fig_speed_law", "law", None, ()),
 }
 
 

@@ -541,7 +541,7 @@ def test_fewer_demonstrations_are_figure_1_with_two_and_five_at_a_place_and_its_
 
 
 PIXELS_ALONE = ("fig4_scaling", "fig6_dimensions", "fig7_speed", "fig_coverage", "fig_mixture",
-                "equal_demonstrations")
+                "fig_speed_law", "equal_demonstrations")
 
 
 def test_a_profile_leaves_the_notebooks_out_that_have_nothing_to_show_in_it():

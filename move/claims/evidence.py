@@ -93,13 +93,11 @@ class Evidence:
     def missing(self, what: str, experiment: str, *wheres: Where) -> Missing:
         """What is not stored of an experiment's runs, and its core-minutes by those of stored runs like it."""
         asked = self.asked(experiment)
-        lacking = pd.concat([_where(asked[~asked.stored], where) for where in wheres]).drop_duplicates("run")
+        lacking = pd.concat([_where(asked[~asked.stored], where) for where in wheres]) if len(asked) else asked
+        if lacking.empty:
+            return Missing(f"{what} (profile {self.profile.name} has no runs for it)", 0, 0.0)
+        lacking = lacking.drop_duplicates("run")
         return Missing(what, len(lacking), float(lacking.steps.sum() * self._minutes_a_step))
-
-    def not_planned(self, what: str, runs: int) -> Missing:
-        """A number that no experiment gives: so many new runs of table 2's size."""
-        steps = self.profile.recipe("rgb", 20_000).gradient_steps if "rgb" in self.profile.training else 0
-        return Missing(f"{what} (no experiment yet)", runs, runs * steps * self._minutes_a_step)
 
     @cached_property
     def noise(self) -> TrainingNoise:

@@ -153,6 +153,7 @@ def figure(
     for name in names:  # all of them are checked before the first one runs
         notebooks.notebook_parameters(name, chosen, changes)
     rows: list[dict[str, Any]] = []
+    failed: list[str] = []
     with progress("figures") as report:
         for number, name in enumerate(names):
             text = f"{name} ({number + 1} of {len(names)})"
@@ -163,9 +164,12 @@ def figure(
             try:
                 executed = notebooks.run_notebook(name, chosen, changes, stored_only,
                                                   partial(_report_runs, report, text, number, len(names)))
-            except notebooks.NotebookFailed as failure:
-                typer.echo(f"move: {failure}", err=True)
-                raise typer.Exit(1) from failure
+            except (notebooks.NotebookFailed, BadInput) as failure:
+                if len(names) == 1 and isinstance(failure, BadInput):
+                    raise
+                failed.append(name)
+                typer.echo(f"move: {failure if name in str(failure) else f'{name}: {failure}'}", err=True)
+                continue  # what can be drawn is
             folder = change(name, chosen, changes).folder
             written = sorted(path for path in folder.glob("*") if path.stat().st_mtime >= began)
             rows.append({"notebook": name, "executed": executed, "written": written})
@@ -173,6 +177,10 @@ def figure(
         show(rows, True, "")
     else:
         show_paths([path for row in rows for path in (row["executed"], *row["written"])])
+    if failed:
+        if len(names) > 1:
+            typer.echo(f"move: {len(failed)} of {len(names)} not drawn: {', '.join(failed)}", err=True)
+        raise typer.Exit(1)
 
 
 def _report_runs(report: Report, text: str, before: int, figures: int, done: float, runs: int) -> None:

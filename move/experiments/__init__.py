@@ -5,7 +5,7 @@ main.py         table 2, and the same policies at their own grasps and as images
 ablations.py    the recipe for images, one change at a time; how long one trains; how ADC jumps
 controls.py     from keypoints; what a demonstration costs
 scaling.py      figure 4: success against timesteps
-dimensions.py   figures 6 and 7: what moves, and how fast
+dimensions.py   figures 6 and 7: what moves, and how fast; by which law speeds are drawn
 why.py          perception given or not; coverage; mixtures; equal demonstrations for timesteps
 floors.py       floors and ceilings
 budgets.py      tasks with the paper's budgets
@@ -27,7 +27,7 @@ from move.experiments.preliminary import (
 )
 from move.experiments.main import generalization, rollouts, table2_main
 from move.experiments.scaling import fig4_scaling
-from move.experiments.dimensions import fig6_dimensions, fig7_speed
+from move.experiments.dimensions import fig6_dimensions, fig7_speed, fig_speed_law
 from move.experiments.why import equal_demonstrations, fig_coverage, fig_mixture, fig_perception
 from move.experiments.ablations import RECIPE_CHANGES, fig_training_length, table_adc, table_recipe
 from move.experiments.controls import keypoint_control, table6_collection, table_keypoint_control
@@ -37,7 +37,7 @@ from move.experiments.registry import EXPERIMENTS, defaults, experiment, paramet
 __all__ = [
     "EXPERIMENTS", "HAND_SPREAD", "RECIPE_CHANGES", "defaults", "equal_demonstrations", "experiment",
     "few_demonstrations", "fig1_sparse", "fig3_dense", "fig4_scaling", "fig5_circle", "fig6_dimensions", "fig7_speed",
-    "fig_coverage", "fig_mixture", "fig_perception", "fig_training_length", "generalization", "keypoint_control",
-    "known_noise", "parameters", "rollouts", "runs", "specs", "table1_spatial_factors", "table2_main",
-    "table6_collection", "table_adc", "table_keypoint_control", "table_recipe",
+    "fig_coverage", "fig_mixture", "fig_perception", "fig_speed_law", "fig_training_length", "generalization",
+    "keypoint_control", "known_noise", "parameters", "rollouts", "runs", "specs", "table1_spatial_factors",
+    "table2_main", "table6_collection", "table_adc", "table_keypoint_control", "table_recipe",
 ]

@@ -1,4 +1,4 @@
-"""What moves (figure 6) and how fast (figure 7), MOVE from pixels at table 2's budget."""
+"""What moves (figure 6), how fast (figure 7) and by which law, MOVE from pixels at table 2's budget."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
+from move.choices import SpeedLaw
 from move.experiments.budgets import budgets
 from move.experiments.registry import Count, Seeds, experiment
 from move.sim.collection import FASTEST, FASTEST_TURN
@@ -76,3 +77,18 @@ def fig7_speed(
             runs += grid(partial(base, method="move"), **place, part={"camera": {}},
                          speed={angle: {"camera_speed": math.radians(angle)} for angle in camera_degrees})
     return runs
+
+
+@experiment
+def fig_speed_law(
+    profile: Profile, task: str = "pick-place", laws: tuple[SpeedLaw, ...] = ("beta", "uniform", "constant"),
+    seeds: Seeds = 2, timesteps: Count = 20_000, episodes: Count = 100,
+) -> list[LabelledRun]:
+    """MOVE with every speed drawn by another law of the same mean, and static; the label `law` (section III-B).
+
+    The paper's law is "beta"; where nothing moves, the label is "static".
+    """
+    base = partial(policy_run, profile, task=task, timesteps=timesteps, episodes=episodes)
+    chosen: dict[str, dict[str, str]] = {"static": {"method": "static"}}
+    chosen |= {law: {"method": "move", "speed_law": law} for law in laws}
+    return grid(base, seed=range(seeds), law=chosen)

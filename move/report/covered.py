@@ -54,7 +54,7 @@ def spoken_coverage(table: pd.DataFrame) -> str:
     said = [f"Within tasks ({len(several)} cells of {several.task.nunique()}) success and joint coverage have the rank "
             f"correlation {within.statistic:+.2f} (p = {within.pvalue:.3f})"]
     ends = table[table.moves.isin(["nothing", "all"])].pivot(index="task", columns="moves", values=["joint", "value"])
-    ends = ends.dropna()
+    ends = ends.reindex(columns=pd.MultiIndex.from_product([["joint", "value"], ["nothing", "all"]])).dropna()
     if len(ends) > 2:
         gains = {name: ends[name]["all"] - ends[name]["nothing"] for name in ("joint", "value")}
         over = stats.spearmanr(gains["joint"], gains["value"])

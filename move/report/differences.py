@@ -136,6 +136,23 @@ def spoken_difference(row: pd.Series) -> str:
     return f"{_points(row.difference)} points [{_points(row.low)}, {_points(row.high)}], {verdict}"
 
 
+def spoken_rates(rates: pd.DataFrame, column: str = "value") -> str:
+    """A table of one rate a method in words: "static 79.2%, MOVE 91.7%"."""
+    return ", ".join(f"{NAMES[method]} {value:.1%}" for method, value in zip(rates.method, rates[column], strict=True)
+                     ) or "nothing is computed yet"
+
+
+def spoken_verdicts(table: pd.DataFrame, by: str = "") -> str:
+    """A `difference_table` with the paper's in column `paper`, in words: each difference, and what it says of theirs.
+
+    Args:
+        by: the column that names a row, where there are several for one other method.
+    """
+    return "; ".join(f"{row[by] + ' ' if by else ''}MOVE minus {NAMES[row.baseline]} {spoken_difference(row)}: "
+                     f"{verdict(row.difference, row.low, row.high, row.paper)}" for _, row in table.iterrows()
+                     ) or "there is nothing to compare yet"
+
+
 def _points(difference: float) -> str:
     """A difference of rates in whole points with its sign; never "-0"."""
     return f"{round(100 * difference):+d}"

@@ -121,6 +121,8 @@ def run_costs(results: list[Result]) -> pd.DataFrame:
          "whole": sum(result.seconds.values()) / 60}
         for result in results if result.spec.training
     ])
+    if rows.empty:
+        return pd.DataFrame(columns=["timesteps", "method", "whole", "runs", "all_runs"])
     groups = rows.groupby(["timesteps", "method"], sort=False)
     return groups.median().round(1).assign(runs=groups.size(), all_runs=groups.whole.sum().round(0)).reset_index()
 
@@ -217,6 +219,8 @@ def beside(rates: pd.DataFrame, controls: pd.DataFrame, means: pd.DataFrame | No
         controls: as `floors_and_ceilings` gives them.
         means: method, value and, where the paper gives any, paper: the last row.
     """
+    if rates.empty:
+        return readable(rates)
     text = readable(rates).assign(task=rates.task, method=rates.method)
     printed = [name for name in ("Success (%)", "Paper (%)") if name in text]
     wide = text.pivot(index="task", columns="method", values=printed).reindex(rates.task.unique())
@@ -261,11 +265,12 @@ def data_sizes(costs: pd.DataFrame) -> pd.DataFrame:
     Args:
         costs: as `collection_costs` gives them.
     """
-    steps = costs[costs.expert == "phase"].pivot(index="task", columns="method", values="mean_steps")
+    steps = costs[costs.expert == "phase"].pivot(index="task", columns="method", values="mean_steps").reindex(
+        index=PAPER_TASKS, columns=PAPER_METHODS)
     sizes = pd.DataFrame([{"task": name, "timesteps": TASKS[name].timesteps} for name in PAPER_TASKS])
     sizes = with_paper(sizes, "table5_data_sizes", ["task"], "timesteps").astype({"paper": int})
     return sizes.assign(task=[TASKS[name].title for name in sizes.task], **{
-        f"{method} demonstrations": [round(row.timesteps / steps.loc[row.task, method]) for row in sizes.itertuples()]
+        f"{method} demonstrations": (sizes.timesteps / steps[method].to_numpy()).round().astype("Int64")
         for method in PAPER_METHODS})
 
 

@@ -1,4 +1,4 @@
-"""Variants of one method against each other: what moves, how fast, how much of the data; as tables.
+"""Variants of one method against each other: what moves, how fast, by which law, how much of the data; as tables.
 
 Each table has the columns of `move.report.differences.difference_table`, with the variant, and the one that it is held
 against in the column `baseline`. Holm's adjustment is over the rows of one task (and of one part, for speeds).
@@ -38,6 +38,12 @@ def speed_table(episodes: pd.DataFrame, noise: TrainingNoise = UNKNOWN) -> pd.Da
         pairs = [(speed, USUAL[part]) for speed in sorted(group.speed.unique()) if speed != USUAL.get(part, speed)]
         rows += _compared(group, "speed", pairs, noise, {"task": task, "part": part})
     return pd.DataFrame(rows, columns=["task", "part", "speed", *COMPARED])
+
+
+def law_table(episodes: pd.DataFrame, noise: TrainingNoise = UNKNOWN) -> pd.DataFrame:
+    """Each other law of the speeds against the paper's, Beta(2, 5)."""
+    pairs = [(law, "beta") for law in episodes.law.unique() if law not in ("beta", "static")]
+    return pd.DataFrame(_compared(episodes, "law", pairs, noise, {}), columns=["law", *COMPARED])
 
 
 def share_table(episodes: pd.DataFrame, noise: TrainingNoise = UNKNOWN) -> pd.DataFrame:

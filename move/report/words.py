@@ -100,6 +100,12 @@ FIGURES = {
         f"Success on Pick-Place against the share of the timesteps that MOVE collected, the rest being static. "
         f"{_INTERVALS} White dots are single seeds.",
         "A bar chart over the share of moving demonstrations."),
+    "fig_speed_law": Words(
+        "Does it matter how speeds are drawn?",
+        f"Success on Pick-Place: static, and MOVE with every speed drawn from Beta(2, 5) as in the paper, uniformly "
+        f"between 0 and twice its mean, or always its mean. {_INTERVALS} White dots are single seeds. The paper gives "
+        f"no numbers.",
+        "A bar chart with a bar for static and one for each law of the speeds."),
     "fig_training_length": Words(
         "Does the comparison depend on how long one trains?",
         f"Success against the number of gradient steps, in multiples of the recipe's, one panel a task. {_INTERVALS} "
@@ -227,6 +233,8 @@ TABLES = {
     "fig7_speed_ends": "Figure 7: each speed against the one used everywhere else; in points, with 95 % intervals.",
     "fig_mixture": f"Shares of MOVE in the data, Pick-Place. {_RATES}",
     "fig_mixture_gains": "Each share of MOVE against none; in points, with 95 % intervals.",
+    "fig_speed_law": f"How speeds are drawn, Pick-Place. {_RATES}",
+    "fig_speed_law_others": "Each other law of the speeds against Beta(2, 5); in points, with 95 % intervals.",
     "fig_training_length": f"Length of training. {_RATES}",
     "fig_training_length_depends": "MOVE minus static at the longest training, minus the same at the shortest; in "
                                    "points, with 95 % intervals.",

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, Self, get_args
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator, model_validator
 
-from move.choices import ExpertName, Method, Protocol
+from move.choices import ExpertName, Method, Protocol, SpeedLaw
 from move.sim.motion.adc import Jumping
 from move.sim.motion.wrappers import Motions, Part, movable
 from move.sim.observe import IMAGE_SIZE, ObservationKind, ObservationSpec
@@ -24,7 +24,7 @@ Share = Annotated[float, Field(gt=0, lt=1, allow_inf_nan=False)]
 Turn = Annotated[float, Field(gt=0, le=FASTEST_TURN, allow_inf_nan=False)]
 SPEEDS: dict[Part, str] = {"object": "object_speed", "rotation": "yaw_speed", "target": "target_speed",
                            "camera": "camera_speed"}
-MOTION_CHOICES = ("moving", *SPEEDS.values())
+MOTION_CHOICES = ("moving", *SPEEDS.values(), "speed_law")
 
 
 class Collection(BaseModel):
@@ -58,6 +58,9 @@ class Collection(BaseModel):
     camera_speed: Turn | None = Field(default=None, description="the same of the camera; radians per step")
     yaw_speed: Turn | None = Field(
         default=None, description="the same of the object's rotation; radians per step, before the task's scale"
+    )
+    speed_law: SpeedLaw | None = Field(
+        default=None, description="how an episode draws each speed below the largest; None: that of motions"
     )
 
     @field_validator("task", "factors")
@@ -104,6 +107,13 @@ class Collection(BaseModel):
         if part not in able:
             raise ValueError(f"the {part} does not move; allowed are speeds of {', '.join(able)}")
         return None if speed == getattr(Motions(), name) else speed
+
+    @field_validator("speed_law")
+    @classmethod
+    def _law_of_what_moves(cls, law: str | None, info: ValidationInfo) -> str | None:
+        if law is not None and {"task", "method", "factors", "motions"} <= info.data.keys():
+            _able_to_move(info.data)
+        return None if law == Motions().speed_law else law
 
     @model_validator(mode="after")
     def _nothing_without_effect(self) -> Self:
@@ -163,7 +173,7 @@ class Collection(BaseModel):
 
     @property
     def motions_used(self) -> Motions:
-        """MOVE's motions with the choices of this collection: the largest speeds, 0 of a part that stands still."""
+        """MOVE's motions with the choices of this collection: their law, the largest speeds, 0 of what stands still."""
         chosen = {name: getattr(self, name) for name in MOTION_CHOICES[1:] if getattr(self, name) is not None}
         if self.moving is not None:
             chosen |= {field: 0.0 for part, field in SPEEDS.items() if part not in self.moving}

@@ -20,7 +20,7 @@ from move.validation import build
 class MovingScene(gymnasium.Wrapper):
     """A scene with what a collection method moves; `unwrapped` is the scene, with its task and configuration.
 
-    Speeds are the largest of each part: an episode draws its own below them.
+    Speeds are the largest of each part: an episode draws its own below them, by `speed_law`.
 
     Args:
         task: a name in `move.sim.tasks.TASKS`.
@@ -32,6 +32,7 @@ class MovingScene(gymnasium.Wrapper):
         moving: which of "object", "rotation", "target" and "camera" move; by default all that can.
         object_speed: metres per step, as `target_speed`.
         camera_speed: radians per step, as `yaw_speed`.
+        speed_law: "beta" (the paper's), "uniform" or "constant", of one mean.
 
     Raises:
         BadInput: an unknown name, an impossible size or speed, or a motion of what does not move.
@@ -42,12 +43,13 @@ class MovingScene(gymnasium.Wrapper):
     def __init__(self, task: str, method: str = "move", factors: str = "all", observation: str = "keypoints",
                  image_size: int = IMAGE_SIZE, render_mode: str | None = None, moving: Sequence[Part] | None = None,
                  object_speed: float | None = None, target_speed: float | None = None,
-                 camera_speed: float | None = None, yaw_speed: float | None = None) -> None:
+                 camera_speed: float | None = None, yaw_speed: float | None = None,
+                 speed_law: str | None = None) -> None:
         checks.one_of("method", method, PAPER_METHODS)
         scene = Scene(task, observation, image_size, render_mode, factors)
         chosen = build(Collection, task=task, method=method, factors=factors, timesteps=1,  # of any length
                        moving=moving, object_speed=object_speed, target_speed=target_speed,
-                       camera_speed=camera_speed, yaw_speed=yaw_speed)
+                       camera_speed=camera_speed, yaw_speed=yaw_speed, speed_law=speed_law)
         super().__init__(surrounded(scene, chosen))
 
     @property

@@ -1,4 +1,4 @@
-"""Against one thing that is varied: the budget, what moves, how fast."""
+"""Against one thing that is varied: the budget, what moves, how fast, by which law."""
 
 from __future__ import annotations
 
@@ -90,4 +90,18 @@ def fig7_speed(rates: pd.DataFrame) -> Figure:
     titles(list(axes.flat), [f"{TASKS[task].title}, {part}" for task in tasks for part in parts or ["nothing"]])
     figure.legend(handles=plots.entries(["move"], missing=bool(rates.value.isna().any())), ncol=2,
                   loc="outside upper center")
+    return figure
+
+
+def fig_speed_law(rates: pd.DataFrame, task: str) -> Figure:
+    """Static, and MOVE under each law of the speeds.
+
+    Args:
+        rates: law, and what `plots.ladder` takes.
+    """
+    figure, ax = plt.subplots(figsize=(COLUMN_WIDTH, 2.3))
+    plots.ladder(rates, "law", ax)
+    ax.set_xlabel("how the speeds are drawn, all with one mean")
+    titles([ax], [TASKS[task].title])
+    methods_and_seeds(figure, rates)
     return figure

@@ -75,7 +75,8 @@ def keypoint_control(rates: pd.DataFrame, controls: Mapping[str, float], printed
     plots.printed_points(printed, ax)
     plots.log_ticks({*rates.timesteps, *printed.timesteps}, ax)
     for name in ("expert", "goal-blind"):
-        plots.level(controls[name], NAMES[name], ax)
+        if name in controls:
+            plots.level(controls[name], NAMES[name], ax)
     ax.set_ylim(-0.03, 1.12)
     titles([ax], ["Pick-Place, from keypoints"])
     figure.legend(handles=plots.entries(list(rates.method.unique()), "paper, from images"), ncol=4,

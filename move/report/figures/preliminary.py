@@ -91,7 +91,8 @@ def fig5_circle(episodes: pd.DataFrame, rates: pd.DataFrame) -> Figure:
     figure, axes = plt.subplots(1, 3, figsize=(PAGE_WIDTH, 2.3), width_ratios=[1, 1, 0.95])
     _maps(episodes, axes[:2])
     for ax in axes[:2]:
-        maps.circle(CIRCLE, ax)
+        if ax.axison:  # there is a map
+            maps.circle(CIRCLE, ax)
     plots.grouped_rates(rates, "where", list(rates["where"].unique()), axes[2])
     legend_below(axes[2], [seed_dot()], 2)
     titles(axes, ["static", "MOVE", "in and out of the circle"])

@@ -11,14 +11,25 @@ import math
 
 import numpy as np
 
+from move.choices import SpeedLaw
 from move.sim.configuration import Box, Disc, Vector, reflect, vector
 
 BETA = (2.0, 5.0)  # alpha and beta of every speed's Beta distribution (paper, after equation 1)
+MEAN_SPEED = BETA[0] / sum(BETA)  # as a share of the largest, under every law
 
 
-def sample_speed(rng: np.random.Generator, maximum: float) -> float:
-    """A speed v * v_max with v ~ Beta(2, 5), in the unit of `maximum` per step (equations 1 to 3)."""
-    return maximum * float(rng.beta(*BETA))
+def sample_speed(rng: np.random.Generator, maximum: float, law: SpeedLaw = "beta") -> float:
+    """A speed v * v_max with v ~ Beta(2, 5), in the unit of `maximum` per step (equations 1 to 3).
+
+    The other laws have the same mean, and are ours: "uniform" draws v between 0 and twice the mean, "constant" is the
+    mean itself.
+
+    >>> round(sample_speed(np.random.default_rng(0), 0.035, "constant"), 6)
+    0.01
+    """
+    if law == "constant":
+        return maximum * MEAN_SPEED
+    return maximum * float(rng.beta(*BETA) if law == "beta" else rng.uniform(0.0, 2 * MEAN_SPEED))
 
 
 def sample_direction(rng: np.random.Generator, dimensions: int) -> Vector:

@@ -20,6 +20,7 @@ import gymnasium
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
+from move.choices import SpeedLaw
 from move.sim.configuration import Box, Disc, SpatialConfiguration, vector
 from move.sim.motion import equations
 from move.sim.scene.scene import Scene
@@ -29,7 +30,7 @@ Part = Literal["object", "rotation", "target", "camera"]
 
 
 class Motions(BaseModel):
-    """Largest speeds of MOVE's motions; 0 leaves a motion out."""
+    """Largest speeds of MOVE's motions, of which 0 leaves a motion out, and how an episode draws below them."""
 
     model_config = ConfigDict(frozen=True, strict=True, extra="forbid")
 
@@ -37,6 +38,7 @@ class Motions(BaseModel):
     target_speed: float = Field(default=0.03, ge=0, description="metres per step")
     yaw_speed: float = Field(math.radians(1.0), ge=0, description="radians per step")
     camera_speed: float = Field(math.radians(1.0), ge=0, description="radians per step")
+    speed_law: SpeedLaw = Field(default="beta", description="how the speed of an episode is drawn: see sample_speed")
 
 
 class Motion(gymnasium.Wrapper):
@@ -48,10 +50,10 @@ class Motion(gymnasium.Wrapper):
 
     keeps_clear = True
 
-    def __init__(self, env: gymnasium.Env, maximum_speed: float) -> None:
+    def __init__(self, env: gymnasium.Env, maximum_speed: float, law: SpeedLaw = "beta") -> None:
         super().__init__(env)
         self.inner, self.scene = cast("Scene | Motion", env), cast(Scene, env.unwrapped)
-        self.maximum_speed = maximum_speed
+        self.maximum_speed, self.law = maximum_speed, law
 
     def reset(self, **keywords: Any) -> tuple[np.ndarray, dict]:
         """Start an episode and sample this motion's speed and direction."""
@@ -94,6 +96,10 @@ class Motion(gymnasium.Wrapper):
         """Sample speed and direction."""
         raise NotImplementedError
 
+    def sample_speed(self, rng: np.random.Generator) -> float:
+        """A speed by this motion's law, at most `maximum_speed`."""
+        return equations.sample_speed(rng, self.maximum_speed, self.law)
+
     def placed(self, time: float) -> SpatialConfiguration:
         """The scene's configuration with this part where its law has it at `time` (steps)."""
         raise NotImplementedError
@@ -126,11 +132,12 @@ class ObjectTranslation(PickMotion):
         maximum_speed: v_max, metres per step.
         region: where it moves; the task's object range by default.
         arrive: the configured position is where the motion ends, after all its steps, and not where it starts.
+        law: how its speed is drawn.
     """
 
     def __init__(self, env: gymnasium.Env, maximum_speed: float, region: Box | Disc | None = None,
-                 arrive: bool = False) -> None:
-        super().__init__(env, maximum_speed)
+                 arrive: bool = False, law: SpeedLaw = "beta") -> None:
+        super().__init__(env, maximum_speed, law)
         self.region, self.arrive, self.keeps_clear = region or self.scene.task.object_range, arrive, not arrive
 
     def reset(self, **keywords: Any) -> tuple[np.ndarray, dict]:
@@ -144,7 +151,7 @@ class ObjectTranslation(PickMotion):
 
     def sample(self, rng: np.random.Generator) -> None:
         """Sample v ~ Beta(2, 5) and a direction uniform on the circle."""
-        speed = equations.sample_speed(rng, self.maximum_speed)
+        speed = self.sample_speed(rng)
         self.velocity = vector(speed * part for part in equations.sample_direction(rng, 2))
 
     def placed(self, time: float) -> SpatialConfiguration:
@@ -158,7 +165,7 @@ class ObjectRotation(PickMotion):
 
     def sample(self, rng: np.random.Generator) -> None:
         """Sample w ~ Beta(2, 5) and a direction in {-1, 1}."""
-        self.velocity = equations.sample_speed(rng, self.maximum_speed) * equations.sample_sign(rng)
+        self.velocity = self.sample_speed(rng) * equations.sample_sign(rng)
 
     def placed(self, time: float) -> SpatialConfiguration:
         """The configuration with the yaw after `time` steps."""
@@ -184,7 +191,7 @@ class TargetTranslation(Motion):
 
     def sample(self, rng: np.random.Generator) -> None:
         """Sample v ~ Beta(2, 5) and a direction uniform on the sphere, or on the circle for a target on the table."""
-        speed = equations.sample_speed(rng, self.maximum_speed)
+        speed = self.sample_speed(rng)
         direction = equations.sample_direction(rng, self.scene.task.target_dimensions)
         self.velocity = vector(speed * part for part in direction)
         self.keeps_clear = False  # the object is in the hand
@@ -210,7 +217,7 @@ class CameraMotion(Motion):
 
     def sample(self, rng: np.random.Generator) -> None:
         """Sample u ~ Beta(2, 5) and a direction in {-1, 1}."""
-        self.velocity = equations.sample_speed(rng, self.maximum_speed) * equations.sample_sign(rng)
+        self.velocity = self.sample_speed(rng) * equations.sample_sign(rng)
 
     def placed(self, time: float) -> SpatialConfiguration:
         """The configuration with the camera's angle after `time` steps."""
@@ -240,12 +247,13 @@ def with_motions(scene: Scene, motions: Motions, factors: str, region: Box | Dis
     """MOVE's staged strategy around `scene`: only what `factors` randomises moves, and only with a speed above 0."""
     able = movable(scene.task, factors)
     env: Scene | Motion = scene
+    law = motions.speed_law
     if motions.object_speed:
-        env = ObjectTranslation(env, motions.object_speed, region, arrive)
+        env = ObjectTranslation(env, motions.object_speed, region, arrive, law)
     if motions.yaw_speed and "rotation" in able:
-        env = ObjectRotation(env, motions.yaw_speed * scene.task.yaw_speed_scale)
+        env = ObjectRotation(env, motions.yaw_speed * scene.task.yaw_speed_scale, law)
     if motions.target_speed and "target" in able:
-        env = TargetTranslation(env, motions.target_speed)
+        env = TargetTranslation(env, motions.target_speed, law)
     if motions.camera_speed and "camera" in able:
-        env = CameraMotion(env, motions.camera_speed)
+        env = CameraMotion(env, motions.camera_speed, law)
     return env

@@ -1,0 +1,71 @@
+"""Every figure is drawn, and its paragraph written, where one method's runs are not there, or a profile has few."""
+
+import matplotlib
+
+matplotlib.use("Agg")
+
+import cells  # noqa: E402
+import matplotlib.pyplot as plt  # noqa: E402
+import pandas as pd  # noqa: E402
+import pytest  # noqa: E402
+
+from move import paths  # noqa: E402
+from move.errors import BadInput  # noqa: E402
+from move.experiments import EXPERIMENTS, registry  # noqa: E402
+from move.report import covered, notebooks  # noqa: E402
+from move.study.profiles import load_profile  # noqa: E402
+
+LAPTOP = load_profile("laptop")
+SLOW = {"fig_coverage"}  # collects anew what its policies learnt from: only its words are tried here
+READING = sorted((set(EXPERIMENTS) - SLOW) | {"claims", "table5_data_sizes"})
+
+
+@pytest.fixture
+def figures(tmp_path, monkeypatch):
+    """Where the figures go; nothing is run."""
+    monkeypatch.setenv("MOVE_STORED_ONLY", "1")
+    monkeypatch.setattr(paths, "figures", lambda profile: tmp_path / "figures")
+    yield tmp_path / "figures"
+    plt.close("all")
+
+
+@pytest.fixture(scope="module", params=["static", "move"])
+def alone(request, tmp_path_factory):
+    """A folder with the shipped results of one method alone."""
+    folder = tmp_path_factory.mktemp(request.param)
+    for spec in (spec for name in EXPERIMENTS for spec in registry.specs(name, LAPTOP)):
+        stored = paths.results(LAPTOP) / f"{spec.hash}.json"
+        if spec.collection and spec.method == request.param and stored.exists():
+            (folder / stored.name).unlink(missing_ok=True)
+            (folder / stored.name).symlink_to(stored)
+    return request.param, folder
+
+
+@pytest.mark.parametrize("name", READING)
+def test_a_figure_is_drawn_where_only_one_method_is_there(name, alone, figures, monkeypatch):
+    method, folder = alone
+    monkeypatch.setattr(paths, "results", lambda profile: folder)
+    monkeypatch.setattr("move.claims.evidence.results", lambda profile: folder)
+    own = registry.specs(name, LAPTOP) if name in EXPERIMENTS else []
+    if own and not any((folder / f"{spec.hash}.json").exists() for spec in own):
+        with pytest.raises(BadInput, match=f"none of the {len(own)} runs"):
+            cells.execute(name, **notebooks.notebook_parameters(name, LAPTOP, {}))
+        return
+    space = cells.execute(name, **notebooks.notebook_parameters(name, LAPTOP, {}))
+    assert "nan" not in space["answer"] and list(figures.glob(f"{name}*"))
+    if name != "claims" and (missing := len(space["loaded"].missing)):
+        assert f"{missing} of {len(space['loaded'].counted) + missing} runs are missing" in space["answer"]
+
+
+@pytest.mark.parametrize("name", ["claims", "table2_main"])
+def test_what_a_profile_without_images_has_of_a_figure_is_drawn(name, figures):
+    profile = load_profile("laptop-keypoints")
+    space = cells.execute(name, **notebooks.notebook_parameters(name, profile, {}))
+    assert "nan" not in space["answer"] and list(figures.glob(f"{name}*"))
+
+
+def test_coverage_is_told_where_nothing_has_a_counterpart():
+    rows = [{"task": task, "moves": moves, "joint": place / 9, "value": place / 12}
+            for place, (task, moves) in enumerate((task, moves) for task in ("push", "hammer")
+                                                  for moves in ("all", "object", "camera"))]
+    assert "MOVE covers" not in covered.spoken_coverage(pd.DataFrame(rows))
