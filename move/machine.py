@@ -18,6 +18,7 @@ import time
 from functools import cache
 
 THREAD_VARIABLES = ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS", "LP_NUM_THREADS")
+NO_GL = ("disable", "disabled", "off", "false", "0")  # values of MUJOCO_GL that turn images off in MuJoCo
 M_TRIM_THRESHOLD, M_MMAP_MAX = -1, -4  # of glibc's malloc.h
 PR_SET_PDEATHSIG = 1  # of Linux's prctl.h
 
@@ -35,15 +36,20 @@ def choose_gl() -> None:
         os.environ["MUJOCO_GL"] = library.lower()
         if "mujoco.gl_context" in sys.modules:
             importlib.reload(sys.modules["mujoco.gl_context"])
-    if os.environ.get("MUJOCO_GL") == "egl":
+    if _chosen_gl() == "egl":
         os.environ.setdefault("PYOPENGL_PLATFORM", "egl")
 
 
 def gl_problem() -> str | None:
     """One line that says why images cannot be rendered and which package mends it; None when they can."""
-    if sys.platform != "linux" or os.environ.get("MUJOCO_GL") != "disable":
+    if sys.platform != "linux" or _chosen_gl() not in NO_GL:
         return None
     return "no GL library found: apt-get install libegl1 (Debian) or use macOS's own; keypoint work goes on without"
+
+
+def _chosen_gl() -> str:
+    """MUJOCO_GL as MuJoCo reads it."""
+    return os.environ.get("MUJOCO_GL", "").lower().strip()
 
 
 @cache

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from safetensors import SafetensorError
 
-from move import choices, cli, paths
+from move import choices, cli, machine, paths
 from move.learn import checkpoint, dataset
 from move.report import notebooks
 from move.study.doctor import examine, locked_versions
@@ -230,6 +230,13 @@ def test_every_notebook_has_parameters_and_teaches():
         assert not any(cell["outputs"] for cell in code)
         assert sum(cell["cell_type"] == "markdown" for cell in content["cells"]) >= 2
         assert all("def " not in "".join(cell["source"]) for cell in code)  # an algorithm belongs in the package
+
+
+@pytest.mark.parametrize("value", ["disable", "disabled", "OFF", "false ", "0"])
+def test_every_word_by_which_mujoco_turns_images_off_is_known(value, monkeypatch):
+    monkeypatch.setattr(sys, "platform", "linux")
+    monkeypatch.setenv("MUJOCO_GL", value)
+    assert "libegl1" in machine.gl_problem()
 
 
 def test_without_gl_there_is_one_clear_line_and_keypoints_go_on():

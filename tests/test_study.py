@@ -540,6 +540,13 @@ def test_fewer_demonstrations_are_figure_1_with_two_and_five_at_a_place_and_its_
     assert {budget: round(data.episodes / 9) for budget, data in made.items()} == {1300: 2, 3250: 5, 7000: 11}
 
 
+def test_without_gl_no_run_of_smoke_asks_for_images(monkeypatch):
+    monkeypatch.setattr(profiles, "gl_problem", lambda: "no GL")
+    smoke = load_profile("smoke")
+    assert not [name for name in experiments.EXPERIMENTS for spec in experiments.specs(name, smoke)
+                if spec.collection and spec.observation == "rgb"]
+
+
 PIXELS_ALONE = ("fig4_scaling", "fig6_dimensions", "fig7_speed", "fig_coverage", "fig_mixture",
                 "fig_speed_law", "equal_demonstrations")
 
