@@ -381,3 +381,27 @@ def test_what_is_missing_stands_in_its_place():
 def test_comparisons_are_counted_after_holm():
     table = pd.DataFrame({"difference": [0.2, -0.2, 0.1], "holm": [0.01, 0.01, 0.5]})
     assert differences.spoken_counts(table) == "1 of 3 are above 0, 1 below, 1 not distinguishable from it"
+
+
+def test_a_table_is_told_with_what_it_says_of_the_papers_and_an_empty_one_as_such():
+    rates = pd.DataFrame({"method": ["static", "move"], "value": [0.2, 0.452], "paper": [0.1, 0.5]})
+    assert differences.spoken_rates(rates) == "static 20.0%, MOVE 45.2%"
+    assert differences.spoken_rates(rates, "paper") == "static 10.0%, MOVE 50.0%"
+    assert differences.spoken_rates(rates[:0]) == "nothing is computed yet"
+    table = pd.DataFrame({"where": ["inside", "outside"], "baseline": "static", "difference": [0.25, -0.02],
+                          "low": [0.1, -0.1], "high": [0.4, 0.06], "holm": [0.01, 0.6], "paper": [0.6, 0.2]})
+    inside, outside = differences.spoken_verdicts(table, "where").split("; ")
+    assert inside == ("inside MOVE minus static +25 points [+10, +40], above 0: direction as in the paper, size "
+                      "smaller")
+    assert outside.startswith("outside MOVE minus static -2 points") and outside.endswith(": not found here")
+    assert differences.spoken_verdicts(table[:1]).startswith("MOVE minus static +25")
+    assert differences.spoken_verdicts(table[:0]) == "there is nothing to compare yet"
+
+
+def test_what_is_not_counted_of_the_data_sizes_is_absent_and_the_rest_is_there():
+    costs = pd.DataFrame([{"task": "push", "method": method, "expert": "phase", "mean_steps": steps}
+                          for method, steps in (("static", 80.0), ("move", 100.0))])
+    sizes = tables.data_sizes(costs).set_index("task")
+    assert (sizes.loc["Push", "static demonstrations"], sizes.loc["Push", "move demonstrations"]) == (250, 200)
+    assert sizes["adc demonstrations"].isna().all() and sizes.loc["Hammer"].isna().sum() == 3
+    assert tables.run_costs([]).empty
