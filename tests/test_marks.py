@@ -351,6 +351,7 @@ def test_verdicts_are_counted_from_the_top(ax):
     assert [bar.get_width() for bar in ax.patches] == [1, 2, 0] and names(ax.yaxis) == ["a", "b", "c"]
     assert [(text.get_text(), text.xy) for text in ax.texts] == [("1", (1, 0)), ("2", (2, 1)), ("0", (0, 2))]
     assert ax.yaxis_inverted() and ax.get_xlabel() == "claims of the paper"
+    assert all(tick == int(tick) for tick in ax.get_xticks()), "there is no half claim"
 
 
 def test_success_against_coverage_stands_at_both_with_parts_of_move_as_triangles(ax):

@@ -103,6 +103,32 @@ def test_a_saved_figure_is_the_same_file_every_time(tmp_path):
     assert written[0] == written[1]
 
 
+def a_scene(levels: int, folder, size: float = 1.0, title: str = "Scene") -> list[bytes]:
+    """What is in `folder` once a grey scene is saved there, one pixel of which is so many levels brighter."""
+    image = np.full((40, 40, 3), 100, np.uint8)
+    image[20, 20] += levels
+    figure = plt.figure(figsize=(size, size))
+    figure.figimage(image, resize=False)
+    style.save(figure, "f", folder, captions.Caption(title, "Drawn.", "Grey.", "A scene."))
+    return [(folder / f"f.{kind}").read_bytes() for kind in ("pdf", "png")]
+
+
+def test_a_picture_that_differs_by_less_than_can_be_seen_is_left_as_it_is(tmp_path):
+    first = a_scene(0, tmp_path)
+    assert a_scene(2, tmp_path) == first, "another machine draws a pixel a level or two apart"
+    for changed in (a_scene(3, tmp_path), a_scene(0, tmp_path, size=1.1), a_scene(0, tmp_path, title="Another")):
+        assert changed[0] != first[0] and changed[1] != first[1]
+
+
+def test_a_picture_is_written_where_one_of_its_files_is_missing_or_none(tmp_path):
+    first = a_scene(0, tmp_path)
+    for file, what in (("f.pdf", None), ("f.png", None), ("f.png", b"none"), ("f.png", first[1][:80])):
+        (tmp_path / file).unlink()
+        if what is not None:
+            (tmp_path / file).write_bytes(what)
+        assert a_scene(0, tmp_path) == first, (file, what)
+
+
 def collector(method: str, outcomes: list[tuple[bool, int]]) -> results.Result:
     collection = Collection(task="hammer", method=method, timesteps=1)
     spec = CollectionRun(task="hammer", seed=0, collection=collection)

@@ -9,6 +9,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from matplotlib.ticker import MaxNLocator
 
 from move.report.plots.axes import GREY, PRINTED, errors, success_axis
 from move.report.style import COLOURS, LEAST_POINTS, NAMES
@@ -150,4 +151,5 @@ def verdicts(table: pd.DataFrame, order: Sequence[str], ax: Axes) -> None:
                     fontsize=LEAST_POINTS)
     ax.set_yticks(range(len(order)), order)
     ax.invert_yaxis()
+    ax.xaxis.set_major_locator(MaxNLocator(integer=True))
     ax.set_xlabel("claims of the paper")
