@@ -192,8 +192,12 @@ def test_figure_7_has_a_row_a_task_a_column_a_part_and_static_as_a_level_of_its_
     for title, level, base in (("Pick-Place, object", 0.11, 0.26), ("Pick-Place, target", 0.11, 0.36),
                                ("Assembly, object", 0.44, 0.56)):
         ax = panels[title]
+        (band,) = ax.patches
+        assert band.get_y() < level < band.get_y() + band.get_height() < level + 0.05
+        band.remove()
         assert heights(ax) == {COLOUR["move"]: [round(base + 0.01, 4), round(base + 0.08, 4)]}
-        assert [line.get_ydata()[0] for line in ax.get_lines() if line.get_linestyle() == "--"] == [level]
+        (line,) = [line for line in ax.get_lines() if line.get_linestyle() == "--"]
+        assert line.get_ydata()[0] == level and to_hex(line.get_color()) == COLOUR["static"]
         assert title.split(", ")[1] in ax.get_xlabel()
     assert [text.get_text() for text in panels["Assembly, target"].texts] == ["not part of this study"]
 

@@ -78,12 +78,23 @@ def test_each_method_has_its_colour_at_its_number_in_every_plot(name):
 
 
 def test_every_plot_of_methods_stands_in_this_file():
-    """What is left out draws no method, or is a part of what draws one."""
+    """What is left out draws no method, or is a part of what draws one; a reference has a test of its own."""
     public = {name for name, plot in vars(plots).items()
               if getattr(plot, "__module__", "").startswith(plots.__name__) and not name.startswith("_")}
     assert public == {*DRAWN} | {"differences", "changes", "gains", "readings", "level", "coverages", "half_widths",
                                  "efficiencies", "verdicts", "entries", "cost_entries", "own_and_elsewhere_entries",
-                                 "share_interval", "log_ticks", "short"}
+                                 "share_interval", "log_ticks", "short", "reference", "reference_entry"}
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_reference_is_a_dashed_line_in_its_methods_colour_in_a_band_that_is_its_interval(method):
+    rate = next(row for row in rows().itertuples() if row.method == method)
+    ax = draw(plots.reference, rate)
+    (line,), (band,), entry = ax.get_lines(), ax.patches, plots.reference_entry(method)
+    assert list(line.get_ydata()) == [VALUE[method]] * 2 and line.get_linestyle() == entry.get_linestyle() == "--"
+    assert (band.get_y(), band.get_height()) == pytest.approx((VALUE[method] - 0.1, 0.2))
+    assert {to_hex(line.get_color()), to_hex(band.get_facecolor()), to_hex(entry.get_color())} == {COLOUR[method]}
+    assert entry.get_label() == NAME[method]
 
 
 def test_rates_stand_over_their_names_with_the_papers_value_dotted_and_named_once():

@@ -78,9 +78,9 @@ FIGURES = {
         "One bar chart a task, one bar for everything that moves."),
     "fig7_speed": Words(
         "Figure 7. How fast may it move?",
-        f"Success against one largest speed, the others as everywhere else; the dashed line is static collection. "
-        f"{_INTERVALS} Question marks are speeds that are not computed yet. The paper prints no numbers for this "
-        f"figure.",
+        f"Success against one largest speed, the others as everywhere else; the dashed line is static collection, "
+        f"the band its interval. {_INTERVALS} Question marks are speeds that are not computed yet. The paper prints no "
+        f"numbers for this figure.",
         "A grid of curves over the speed, one row a task, one column for the object, the target and the camera."),
     "fig8_object_places": Words(
         "Figure 8, continued. Where the object was, and how fast it moved",

@@ -67,7 +67,7 @@ def fig6_dimensions(rates: pd.DataFrame) -> Figure:
 
 
 def fig7_speed(rates: pd.DataFrame) -> Figure:
-    """One row a task, one column a part whose speed is varied; static as a level.
+    """One row a task, one column a part whose speed is varied; static as a dashed line with its band.
 
     Args:
         rates: task, part ("nothing": static), speed, and what `plots.curve` takes.
@@ -75,6 +75,7 @@ def fig7_speed(rates: pd.DataFrame) -> Figure:
     units = {"object": "object's speed (m per step)", "target": "target's speed (m per step)",
              "camera": "camera's speed (degrees per step)"}
     tasks, parts = list(rates.task.unique()), [part for part in units if part in set(rates.part)]
+    still = rates[(rates.part == "nothing") & rates.value.notna()]
     figure, axes = plt.subplots(len(tasks), max(len(parts), 1), figsize=(PAGE_WIDTH, 1.75 * len(tasks) + 0.4),
                                 squeeze=False, sharey=True)
     for row, task in zip(axes, tasks, strict=True):
@@ -82,13 +83,14 @@ def fig7_speed(rates: pd.DataFrame) -> Figure:
         for ax, part in zip(row, parts, strict=False):
             if len(moved := here[here.part == part]):
                 plots.curve(moved, "speed", units[part], ax)
-                for still in here[(here.part == "nothing") & here.value.notna()].itertuples():
-                    plots.level(still.value, "static", ax, right=0.93)  # beside the last speed's interval
+                for static in still[still.task == task].itertuples():
+                    plots.reference(static, ax)
             else:
                 empty_panel("not part of this study", ax)
             ax.set_ylabel("success (%)" if ax is row[0] else "")
     titles(list(axes.flat), [f"{TASKS[task].title}, {part}" for task in tasks for part in parts or ["nothing"]])
-    figure.legend(handles=plots.entries(["move"], missing=bool(rates.value.isna().any())), ncol=2,
+    shown = [plots.reference_entry("static")] if len(still) else []
+    figure.legend(handles=[*shown, *plots.entries(["move"], missing=bool(rates.value.isna().any()))], ncol=3,
                   loc="outside upper center")
     return figure
 

@@ -11,7 +11,16 @@ points   differences, factors, tasks side by side, coverage
 
 from move.report.plots.axes import log_ticks, short
 from move.report.plots.bars import cost_entries, costs, grouped_rates, ladder, rates, share_interval, verdicts
-from move.report.plots.curves import coverages, curve, entries, half_widths, level, printed_points
+from move.report.plots.curves import (
+    coverages,
+    curve,
+    entries,
+    half_widths,
+    level,
+    printed_points,
+    reference,
+    reference_entry,
+)
 from move.report.plots.points import (
     READINGS,
     changes,
@@ -28,6 +37,6 @@ from move.report.plots.points import (
 __all__ = [
     "READINGS", "changes", "cost_entries", "costs", "coverages", "covered", "curve", "efficiencies", "entries", "gains",
     "differences", "grouped_rates", "half_widths", "ladder", "level", "log_ticks", "own_and_elsewhere",
-    "own_and_elsewhere_entries", "printed_points", "rates", "readings", "share_interval", "short", "task_rates",
-    "verdicts",
+    "own_and_elsewhere_entries", "printed_points", "rates", "readings", "reference", "reference_entry",
+    "share_interval", "short", "task_rates", "verdicts",
 ]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -12,6 +13,8 @@ from matplotlib.ticker import FuncFormatter
 
 from move.report.plots.axes import log_ticks, short, success_axis
 from move.report.style import COLOURS, LEAST_POINTS, NAMES
+
+REFERENCE: dict[str, Any] = {"ls": "--", "lw": 1.0}
 
 
 def curve(table: pd.DataFrame, x: str, label: str, ax: Axes, log: bool = False) -> None:
@@ -52,11 +55,26 @@ def printed_points(points: pd.DataFrame, ax: Axes) -> None:
                 clip_on=False)
 
 
-def level(value: float, label: str, ax: Axes, style: str = "--", right: float = 1.0) -> None:
-    """A horizontal line, a floor or a ceiling, whose label ends at `right`, a share of the axis."""
+def level(value: float, label: str, ax: Axes, style: str = "--") -> None:
+    """A horizontal line, a floor or a ceiling, whose label ends at the axis's right end."""
     ax.axhline(value, color="#666666", lw=0.9, ls=style)
-    ax.annotate(label, (right, value), xycoords=("axes fraction", "data"), xytext=(-2, 2), textcoords="offset points",
+    ax.annotate(label, (1.0, value), xycoords=("axes fraction", "data"), xytext=(-2, 2), textcoords="offset points",
                 ha="right", fontsize=LEAST_POINTS, color="#444444")
+
+
+def reference(rate: Any, ax: Axes) -> None:
+    """The rate of a method that knows nothing of the axis: a dashed line in its colour, its interval as a band.
+
+    Args:
+        rate: a row with method, value, low, high.
+    """
+    ax.axhspan(rate.low, rate.high, color=COLOURS[rate.method], alpha=0.13, lw=0)
+    ax.axhline(rate.value, **REFERENCE, color=COLOURS[rate.method])
+
+
+def reference_entry(method: str) -> Line2D:
+    """What a legend shows of such a line."""
+    return Line2D([], [], **REFERENCE, color=COLOURS[method], label=NAMES[method])
 
 
 def entries(methods: Sequence[str], paper: str = "", missing: bool = False) -> list[Line2D]:
