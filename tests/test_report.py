@@ -397,7 +397,7 @@ def test_the_printed_table_2_has_the_papers_columns_and_the_mean_row():
 def test_what_is_missing_stands_in_its_place():
     profile = load_profile("laptop")
     runs = experiments.runs("fig_mixture", profile)
-    there = pd.DataFrame([{"share": 1, "method": "move", "value": 0.8, "low": 0.7, "high": 0.9, "seeds": [0.8]}])
+    there = pd.DataFrame([{"share": 1.0, "method": "move", "value": 0.8, "low": 0.7, "high": 0.9, "seeds": [0.8]}])
     table = tables.with_missing(there, runs, ["share", "method"])
     assert table.share.tolist() == sorted({run.labels["share"] for run in runs})
     assert table.value.notna().tolist() == [False] * (len(table) - 1) + [True]
