@@ -19,8 +19,10 @@ from move.claims.rule import (
     verdict,
 )
 from move.experiments import EXPERIMENTS, registry
+from move.sim.tasks import TASKS
 from move.study.profiles import load_profile
 
+INFINITE = float("inf")
 CLEAR, OPEN = Finding("clear", 0.3, 0.2, 0.4), Finding("open", 0.1, -0.1, 0.3)
 
 
@@ -35,6 +37,10 @@ CLEAR, OPEN = Finding("clear", 0.3, 0.2, 0.4), Finding("open", 0.1, -0.1, 0.3)
     ([Finding("the other way", -0.3, -0.4, -0.2)], "not here"),
     ([Finding("same", 0.0, -0.05, 0.05, above=-0.1, below=0.1)], "supported"),
     ([Finding("not the same", 0.08, 0.01, 0.15, above=-0.1, below=0.1)], "not here"),
+    ([Finding("more than", INFINITE, 1.5, INFINITE, above=1.0)], "supported"),
+    ([Finding("more than", INFINITE, INFINITE, INFINITE, above=1.0)], "supported"),
+    ([Finding("more than", INFINITE, 0.9, INFINITE, above=1.0)], "not here"),
+    ([Finding("the same", 0.0, -0.05, INFINITE, above=-0.1, below=0.1)], "not here"),
     ([CLEAR, Missing("a run", 1, 10.0)], "not computed yet"),
     ([], "not computed yet"),
     ([Untestable("no robot")], "cannot be tested here"),
@@ -96,6 +102,61 @@ def test_that_policies_fail_is_a_share_of_failures(successes, expected):
     items = decided(evidence, "fewer trajectories")
     assert [item.value for item in items] == [pytest.approx(1 - successes / 9)] * 2
     assert verdict(items) == expected and all(item.above == 0.5 for item in items)
+
+
+def scaling(static: dict[int, float], move: dict[int, float]) -> Evidence:
+    """Figure 4 with episodes made by hand: on every task those rates at those timesteps."""
+    evidence = Made(0)
+    rows = pd.DataFrame([
+        {"run": f"{task}-{method}-{budget}", "task": task, "method": method, "observation": "rgb", "seed": 0,
+         "timesteps": budget, "trial": trial, "success": (trial * 37) % 100 < 100 * rate}
+        for task in ledger.PAPER_TASKS for method, curve in (("static", static), ("move", move))
+        for budget, rate in curve.items() for trial in range(100)])
+    evidence.episodes = lambda experiment: rows
+    return evidence
+
+
+@pytest.mark.parametrize("static, more, twice", [
+    ({5000: 0.05, 10_000: 0.1, 20_000: 0.2}, "supported", "not here"),  # more than 1: nothing is known of twice
+    ({5000: 0.05, 10_000: 0.1, 20_000: 0.2, 40_000: 0.3, 100_000: 0.3}, "supported", "supported"),
+    ({5000: 0.2, 10_000: 0.4, 20_000: 0.7, 40_000: 0.8}, "not here", "not here"),
+])
+def test_data_efficiency_is_above_a_number_only_where_statics_budgets_reach_it(static, more, twice):
+    evidence = scaling(static, {5000: 0.2, 10_000: 0.4, 20_000: 0.7})
+    every, named = decided(evidence, "amount of data required"), decided(evidence, "2 to 5x")
+    assert len(every) == 10 and verdict(every) == more
+    assert [item.what.split(",")[0] for item in named] == ["Assembly", "Pick-Place", "Pick-Place-Wall"]
+    assert [item.paper for item in named] == [2.0, 2.5, 5.0] and verdict(named) == twice
+    assert 40_000 in static or str(every[0]).endswith("> 1 [> 1, > 1]")
+
+
+FIGURES = {  # a claim's quote -> the figure's table of the same differences, the column that names a row
+    "across all tasks": ("table2_main_differences", "static", "task"),
+    "MOVE above ADC on every task": ("table2_main_differences", "adc", "task"),
+    "relative improvement": ("table2_main_differences_mean", "static", None),
+    "MOVE above ADC on the mean": ("table2_main_differences_mean", "adc", None),
+    "unseen grasp points": ("fig1_sparse_difference", "static", None),
+    "dominates within": ("fig5_circle_differences", "static", "where=inside"),
+    "outside it": ("fig5_circle_differences", "static", "where=outside"),
+    "approach and grasp a moving target": ("generalization_differences", "static", "task"),
+    "drops dramatically": ("table1_spatial_factors_lost", "object", "factors=all"),
+    "Beta-distributed": ("fig_speed_law_others", "beta", "law"),
+}
+
+
+@pytest.mark.parametrize("quote", FIGURES)
+def test_the_ledger_has_the_figures_own_intervals(quote):
+    name, baseline, by = FIGURES[quote]
+    drawn = pd.read_csv(paths.figures(load_profile("laptop")) / f"{name}.csv").query("baseline == @baseline")
+    if by and "=" in by:
+        column, value = by.split("=")
+        drawn = drawn[drawn[column] == value]
+    items = [item for item in decided(Evidence(load_profile("laptop")), quote) if item.what != "relative improvement"]
+    assert len(items) == len(drawn) > 0
+    for item, row in zip(items, drawn.itertuples(), strict=True):
+        ends = sorted(abs(end) for end in (item.value, item.low, item.high))  # some claims name the other side first
+        assert ends == pytest.approx(sorted(map(abs, (row.difference, row.low, row.high))), abs=1.1e-4), item
+        assert by != "task" or item.what.startswith(TASKS[row.task].title)
 
 
 def test_a_claim_without_runs_says_what_it_would_cost(tmp_path, monkeypatch):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from move.statistics.data_efficiency import data_efficiency, needed
+from move.statistics.data_efficiency import Efficiency, data_efficiency, needed
 from move.statistics.estimates import TrainingNoise
 
 BUDGETS = (5000, 10_000, 20_000, 40_000)
@@ -28,6 +28,23 @@ def test_equal_curves_need_equal_timesteps():
 def test_a_level_that_static_never_reaches_is_more_than_its_largest_budget():
     found = data_efficiency(curve((0.1, 0.2, 0.3, 0.3)), curve((0.4, 0.5, 0.7, 0.8)), 20_000)
     assert found.ratio == float("inf") and str(found).startswith("> 2 [")
+
+
+def test_more_than_is_above_a_number_only_where_statics_largest_budget_says_so():
+    found = data_efficiency(curve((0.1, 0.2, 0.3), BUDGETS[:3]), curve((0.4, 0.5, 0.7, 0.8)), 20_000)
+    assert str(found) == "> 1 [> 1, > 1]" and found.most == 1
+    assert found.surely(found.low, 1.0) > 1 and found.p_value(1.0) == pytest.approx(2 / 1000)
+    assert found.surely(found.low, 2.0) == 1 and found.p_value(2.0) == 1
+
+
+def test_the_p_value_agrees_with_the_interval():
+    rising = [data_efficiency(curve((0.1, 0.2, 0.4, 0.6)), curve((0.2, 0.3, 0.4 + more, 0.9)), 20_000,
+                              TrainingNoise(0.003, 20)) for more in (0.0, 0.05, 0.1, 0.15, 0.2, 0.25)]
+    values = [found.p_value(1.0) for found in rising]
+    assert values == sorted(values, reverse=True) and values[0] > 0.5 and values[-1] < 0.05
+    assert [value < 0.05 for value in values] == [found.low > 1 for found in rising]
+    with pytest.raises(ValueError, match="no resample is kept"):
+        Efficiency(2.0, 1.5, 3.0, 0.25, 2.0).p_value(1.0)
 
 
 def test_a_level_that_static_has_from_the_start_is_at_most_its_smallest_budget():

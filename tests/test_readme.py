@@ -45,6 +45,13 @@ def test_every_file_of_a_room_is_named_there_and_every_name_is_a_file(room, text
         assert there - named - (rooms if room == "move/" else set()) == set()
 
 
+@pytest.mark.parametrize("page", [*sorted(paths.NOTEBOOKS.rglob("*.ipynb")), *paths.ROOT.glob("*.md")],
+                         ids=lambda page: page.name)
+def test_every_file_that_a_page_names_is_there(page):
+    named = re.findall(r"`((?:move|notebooks|profiles|tests|tools|docs)/[\w./-]+)`", page.read_text())
+    assert [name for name in named if not (paths.ROOT / name).exists()] == []
+
+
 def test_what_can_be_done_with_it_fits_on_a_screen():
     table = README.split("| you want to | do |")[1].split("\n\n")[0]
     assert table.count("\n|") == 1 + 7

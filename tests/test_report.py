@@ -19,6 +19,7 @@ from move.sim.collect import Collection  # noqa: E402
 from move.sim.configuration import Disc  # noqa: E402
 from move.sim.tasks import TASKS  # noqa: E402
 from move.statistics import estimates as statistics  # noqa: E402
+from move.statistics.cells import training_noise  # noqa: E402
 from move.study import results  # noqa: E402
 from move.study.labels import LabelledRun  # noqa: E402
 from move.study.profiles import load_profile  # noqa: E402
@@ -52,6 +53,15 @@ def test_one_seed_is_judged_by_the_noise_of_cells_with_several_and_an_agent_with
     assert table.trainings.to_dict() == {"static": "own", "move": "pooled", "expert": "none"}
     assert alone.trainings.to_dict() == {"move": "unknown", "expert": "none"}
     assert table.low["move"] < alone.low["move"] and table.low["expert"] == alone.low["expert"]
+
+
+def test_what_is_known_of_the_noise_comes_before_a_tables_own_few_cells():
+    cells = episodes({"static": 0.2, "move": 0.8}, seeds=2, trials=64)
+    known = statistics.TrainingNoise(0.02, 25)
+    assert training_noise(cells, ["method"], known) == known
+    assert training_noise(cells, ["method"]).degrees == 2
+    own, pooled = (tables.rate_table(cells, ["method"], noise) for noise in (statistics.UNKNOWN, known))
+    assert ((pooled.high - pooled.low) > (own.high - own.low)).all()
 
 
 def test_words_hold_after_holm():

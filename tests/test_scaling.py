@@ -117,6 +117,17 @@ def test_each_rung_is_held_against_the_one_before_and_each_motion_alone_against_
     assert (table.holm >= table.p).all()
 
 
+def test_what_every_random_factor_costs_static_is_held_against_the_object_alone():
+    rows = pd.concat([episodes(object=rates[0]).assign(factors=factors, method=method)
+                      for factors, *rates in (("object", 0.9), ("object+target", 0.8), ("all", 0.5))
+                      for method in ("static", "move")])
+    table = variants.factor_table(rows)
+    assert list(zip(table.method, table.factors, table.baseline, table.difference.round(3), strict=True)) == [
+        ("static", "object+target", "object", -0.1), ("static", "all", "object", -0.4)]
+    assert (table.low < table.difference).all() and (table.high > table.difference).all() and table.holm[1] < 0.01
+    assert variants.factor_table(rows[rows.factors != "object"]).empty
+
+
 def test_an_efficiency_table_has_a_row_only_where_both_curves_are():
     rows = [{"task": task, "method": method, "timesteps": size, "seed": 0, "trial": trial,
              "success": trial < 100 * rate}

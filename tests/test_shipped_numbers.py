@@ -94,6 +94,7 @@ GAPS = {
     "table2_main_differences": ("table2_main", "method", "move", ("task",)),
     "table2_main_differences_keypoints": ("table2_main_keypoints", "method", "move", ("task",)),
     "table1_spatial_factors_differences": ("table1_spatial_factors", "method", "move", ("factors",)),
+    "table1_spatial_factors_lost": ("table1_spatial_factors", "factors", None, ("method",)),
     "few_demonstrations_differences": ("few_demonstrations", "method", "move", ("timesteps",)),
     "fig1_sparse_difference": ("fig1_sparse", "method", "move", ()),
     "fig3_dense_difference": ("fig3_dense", "method", "move", ()),

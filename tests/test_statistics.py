@@ -4,7 +4,16 @@ import numpy as np
 import pytest
 
 from move.statistics import estimates as statistics
-from move.statistics.estimates import difference, holm, mean_difference, over_tasks, pooled_noise, success_rate
+from move.statistics.estimates import (
+    difference,
+    holm,
+    mean_difference,
+    over_tasks,
+    pooled_noise,
+    relative_gain,
+    success_rate,
+    unpaired_difference,
+)
 from move.statistics.simulation import coverage, like_noise, outcomes
 
 DRAWS = 2000
@@ -36,6 +45,40 @@ def test_a_differences_interval_covers_as_often_as_it_says(seeds, deviation, rat
         found = difference(*cells, pooled)
         covered += found.low <= rate - other <= found.high
     assert 0.93 <= covered / DRAWS <= 0.97
+
+
+@pytest.mark.parametrize(("seeds", "deviation", "rate"), CASES)
+def test_an_unpaired_differences_interval_covers_as_often_as_it_says(seeds, deviation, rate):
+    rng, covered, other = np.random.default_rng([seeds, int(100 * deviation), 2]), 0, rate - 0.1
+    for draw in range(DRAWS):
+        cells = [outcomes(rng, value, deviation, seeds, rng.standard_normal(100)) for value in (rate, other)]
+        if draw % 10 == 0:
+            pooled = like_noise(rng, rate, deviation, 100)
+        found = unpaired_difference(*cells, pooled)
+        covered += found.low <= rate - other <= found.high
+    assert 0.93 <= covered / DRAWS <= 0.98
+
+
+@pytest.mark.parametrize("seeds", [2, 3])
+def test_a_relative_gains_interval_covers_at_least_as_often_as_it_says(seeds):
+    rng, covered, noise = np.random.default_rng(seeds), 0, like_noise(np.random.default_rng(0), 0.4, 0.05, 100)
+    for _ in range(500):
+        pairs = []
+        for _ in range(10):
+            hard = rng.standard_normal(100)
+            pairs.append(tuple(outcomes(rng, value, 0.05, seeds, hard) for value in (0.52, 0.4)))
+        found = relative_gain(pairs, noise)
+        covered += found.low <= 0.3 <= found.high
+    assert 0.94 <= covered / 500 <= 1
+
+
+def test_a_relative_gain_is_of_the_mean_rates_and_knows_that_both_are_uncertain():
+    pairs = tasks_with(10, 20, 30)
+    found, apart = relative_gain(pairs), mean_difference(pairs)
+    assert found.value == pytest.approx(0.4) and found.low < 0.4 < found.high and found.episodes == 600
+    assert found.low < apart.low / 0.5 and found.high > apart.high / 0.5  # these take the second rate as certain
+    with pytest.raises(ValueError, match="a mean rate of 0"):
+        relative_gain([(np.ones((1, 9)), np.zeros((1, 9)))])
 
 
 def test_simulated_outcomes_have_the_rate_and_the_spread_asked_for():
@@ -88,6 +131,9 @@ def test_pairing_makes_the_interval_narrow_where_configurations_decide_and_not_w
     together, apart = width(first, hard), width(shuffled, hard)
     unpaired = 2 * 1.96 * np.sqrt(2 * 0.25 / 200)
     assert together < 0.45 * unpaired and 0.8 * unpaired < apart < 1.2 * unpaired
+    never = unpaired_difference(first, hard)
+    assert never.high - never.low == pytest.approx(unpaired, rel=0.1)
+    assert unpaired_difference(first[:, :50], hard).value == pytest.approx(first[:, :50].mean() - hard.mean())
 
 
 @pytest.mark.parametrize("seeds", [1, 3])

@@ -112,13 +112,17 @@ def test_what_the_paper_calls_equal_is_move_at_the_smaller_budget_minus_static_a
 
 def test_an_efficiency_is_told_task_by_task_and_by_its_median():
     table = pd.DataFrame([
-        {"task": "push", "timesteps": 20_000, "ratio": 2.0, "low": 1.5, "high": 3.0, "least": 0.25, "most": 2.0},
-        {"task": "hammer", "timesteps": 20_000, "ratio": 0.5, "low": 0.4, "high": 1.2, "least": 0.25, "most": 2.0},
+        {"task": "push", "timesteps": 20_000, "ratio": 2.0, "low": 1.5, "high": 3.0, "least": 0.25, "most": 2.0,
+         "holm": 0.01},
+        {"task": "hammer", "timesteps": 20_000, "ratio": 0.5, "low": 0.4, "high": 1.2, "least": 0.25, "most": 2.0,
+         "holm": 1.0},
         {"task": "assembly", "timesteps": 20_000, "ratio": np.inf, "low": 0.9, "high": np.inf, "least": 0.25,
-         "most": 2.0}])
+         "most": 2.0, "holm": 0.06}])
     said = efficiency.spoken_efficiency(table)
     assert "Push 2 [1.5, " in said and "Hammer 0.5 [0.4, 1.2]" in said and "Assembly > 2 [0.9, > 2]" in said
-    assert said.endswith("Median task 2; above 1 with its whole interval on 1 of 3.")
+    assert said.endswith("Median task 2; above 1 with its whole interval on 1 of 3, after Holm's adjustment on 1.")
+    said = efficiency.spoken_efficiency(table.assign(low=1.1, holm=[0.01, 0.2, 0.05]))
+    assert said.endswith("on 3 of 3, after Holm's adjustment on 1.")
     assert "Median task > 2;" in efficiency.spoken_efficiency(table.iloc[[2, 2, 0]])
     bounded = pd.concat([table, table.iloc[[2]].assign(most=1.0, task="basketball")])  # 2, 0.5, > 2, > 1
     assert "Median task between 1.5 and 2" not in efficiency.spoken_efficiency(bounded)

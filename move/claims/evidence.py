@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cache, cached_property
 from statistics import median
@@ -15,8 +16,16 @@ from move.claims.rule import Finding, Item, Missing
 from move.experiments import registry
 from move.experiments.noise import known_noise
 from move.paths import results
-from move.statistics.cells import successes, training_noise
-from move.statistics.estimates import Estimate, TrainingNoise, difference, mean_difference, success_rate
+from move.statistics.cells import successes
+from move.statistics.estimates import (
+    Estimate,
+    TrainingNoise,
+    difference,
+    mean_difference,
+    relative_gain,
+    success_rate,
+    unpaired_difference,
+)
 from move.statistics.intervals import CONFIDENCE
 from move.study.labels import LabelledRun
 from move.study.profiles import Profile
@@ -44,14 +53,14 @@ class Evidence:
         rows = self._rows(experiment, where)
         if rows.empty:
             return self.missing(what, experiment, where)
-        return _finding(what, success_rate(successes(rows), self._noise(experiment)), rows, above, paper)
+        return _finding(what, success_rate(successes(rows), self.noise), rows, above, paper)
 
     def failure(self, what: str, experiment: str, where: Where, above: float) -> Item:
         """The share of episodes that fail, said to be above a value."""
         rows = self._rows(experiment, where)
         if rows.empty:
             return self.missing(what, experiment, where)
-        return _finding(what, success_rate(1 - successes(rows), self._noise(experiment)), rows, above, float("nan"))
+        return _finding(what, success_rate(1 - successes(rows), self.noise), rows, above, float("nan"))
 
     def difference(self, what: str, experiment: str, one: Where, other: Where, paper: float = float("nan"),
                    above: float = 0.0) -> Item:
@@ -60,19 +69,24 @@ class Evidence:
         if first.empty or second.empty:
             return self.missing(what, experiment, *[where for where, rows in ((one, first), (other, second))
                                                     if rows.empty])
-        found = difference(successes(first), successes(second), self._noise(experiment))
+        return self.apart(what, first, second, paper, above)
+
+    def apart(self, what: str, first: pd.DataFrame, second: pd.DataFrame, paper: float = float("nan"),
+              above: float = 0.0, paired: bool = True) -> Finding:
+        """The same of episodes that are given; not paired where each side has configurations of its own."""
+        compare = difference if paired else unpaired_difference
+        found = compare(successes(first), successes(second), self.noise)
         return _finding(what, found, pd.concat([first, second]), above, paper)
 
     def mean_difference(self, what: str, experiment: str, tasks: list[str], one: Where, other: Where,
                         paper: float = float("nan")) -> Item:
         """The mean over `tasks` of such a difference."""
-        pairs = [(self._rows(experiment, {"task": task, **one}), self._rows(experiment, {"task": task, **other}))
-                 for task in tasks]
-        if any(first.empty or second.empty for first, second in pairs):
-            return self.missing(what, experiment, one, other)
-        found = mean_difference([(successes(first), successes(second)) for first, second in pairs],
-                                self._noise(experiment))
-        return _finding(what, found, pd.concat([part for pair in pairs for part in pair]), 0.0, paper)
+        return self._over_tasks(mean_difference, what, experiment, tasks, one, other, paper)
+
+    def relative_gain(self, what: str, experiment: str, tasks: list[str], one: Where, other: Where,
+                      paper: float = float("nan")) -> Item:
+        """The mean success over `tasks` where `one` holds over that where `other` does, minus 1."""
+        return self._over_tasks(relative_gain, what, experiment, tasks, one, other, paper)
 
     def over_seeds(self, what: str, values: list[float], rows: pd.DataFrame, above: float = 0.0,
                    paper: float = float("nan"), below: float = float("inf")) -> Finding:
@@ -101,11 +115,17 @@ class Evidence:
 
     @cached_property
     def noise(self) -> TrainingNoise:
-        """How much rates from pixels vary from training to training."""
-        return known_noise(self.profile, "rgb")
+        """How much rates vary from training to training: those from pixels, where the profile has images."""
+        return known_noise(self.profile, "rgb" if self.profile.training.get("rgb") else "keypoints")
 
-    def _noise(self, experiment: str) -> TrainingNoise:
-        return self.noise if self.profile.training.get("rgb") else training_noise(self.episodes(experiment), ["task"])
+    def _over_tasks(self, estimate: Callable[..., Estimate], what: str, experiment: str, tasks: list[str], one: Where,
+                    other: Where, paper: float) -> Item:
+        pairs = [(self._rows(experiment, {"task": task, **one}), self._rows(experiment, {"task": task, **other}))
+                 for task in tasks]
+        if any(first.empty or second.empty for first, second in pairs):
+            return self.missing(what, experiment, one, other)
+        found = estimate([(successes(first), successes(second)) for first, second in pairs], self.noise)
+        return _finding(what, found, pd.concat([part for pair in pairs for part in pair]), 0.0, paper)
 
     def _rows(self, experiment: str, where: Where) -> pd.DataFrame:
         return _where(self.episodes(experiment), where)

@@ -35,7 +35,8 @@ class Finding:
     """One number that a claim hangs on, with its 95 % interval; the claim says that it lies above `above`.
 
     `below` makes an interval of it, for a claim that two things are the same. `paper` is the paper's value of the same
-    number, NaN where it prints none; `p_value` is two-sided against `above`, NaN where there is no test.
+    number, NaN where it prints none; `p_value` is two-sided against `above`, NaN where there is no test. `told` says
+    the value with its interval where digits would not, as for "more than".
     """
 
     what: str
@@ -47,11 +48,12 @@ class Finding:
     paper: float = float("nan")
     p_value: float = float("nan")
     runs: tuple[str, ...] = ()
+    told: str = ""
 
     @property
     def inside(self) -> bool:
-        """Whether the whole interval lies where the claim says."""
-        return bool(self.above < self.low and self.high < self.below)
+        """Whether the whole interval lies where the claim says; an endless one may, where nothing bounds it above."""
+        return bool(self.above < self.low and (self.high < self.below or np.isinf(self.below)))
 
     @property
     def as_large(self) -> bool:
@@ -60,7 +62,7 @@ class Finding:
 
     def __str__(self) -> str:
         printed = "" if np.isnan(self.paper) else f" (paper {self.paper:.3g})"
-        return f"{self.what}: {self.value:.3g} [{self.low:.3g}, {self.high:.3g}]{printed}"
+        return f"{self.what}: {self.told or f'{self.value:.3g} [{self.low:.3g}, {self.high:.3g}]'}{printed}"
 
 
 @dataclass(frozen=True)

@@ -6,18 +6,20 @@ import numpy as np
 import pandas as pd
 
 from move.paper import published
-from move.report.differences import COLUMNS, as_columns, spoken_difference, with_holm
+from move.report.differences import COLUMNS, LEVEL, as_columns, spoken_difference, with_holm
 from move.sim.tasks import TASKS, get_task
 from move.statistics.cells import successes, training_noise
 from move.statistics.data_efficiency import Efficiency, data_efficiency
 from move.statistics.estimates import UNKNOWN, TrainingNoise, difference
 
-EFFICIENCY = ["task", "timesteps", "ratio", "low", "high", "least", "most"]
+EFFICIENCY = ["task", "timesteps", "ratio", "low", "high", "least", "most", "p", "holm"]
 EQUAL = ["task", "move_timesteps", "static_timesteps", *COLUMNS]
 
 
 def efficiency_table(episodes: pd.DataFrame, most_timesteps: int, known: TrainingNoise = UNKNOWN) -> pd.DataFrame:
     """Static's timesteps over MOVE's for MOVE's success at table 2's budget: one row a task that has both curves.
+
+    `p` is of a factor that is not surely above 1, `holm` the same after Holm's adjustment over the tasks.
 
     Args:
         episodes: of static and MOVE, with the columns task and timesteps.
@@ -32,8 +34,8 @@ def efficiency_table(episodes: pd.DataFrame, most_timesteps: int, known: Trainin
         static, move = curves.get("static", {}), curves.get("move", {})
         if min(len(static), len(move)) > 1 and budget in move:
             found = data_efficiency(static, move, budget, noise)
-            rows.append({"task": task, "timesteps": budget, **vars(found)})
-    return pd.DataFrame(rows, columns=EFFICIENCY)
+            rows.append({"task": task, "timesteps": budget, **vars(found), "p": found.p_value(1.0)})
+    return pd.DataFrame(with_holm(rows), columns=EFFICIENCY)
 
 
 def spoken_efficiency(table: pd.DataFrame) -> str:
@@ -41,9 +43,9 @@ def spoken_efficiency(table: pd.DataFrame) -> str:
     if table.empty:
         return "No task has two budgets of both methods yet."
     each = "; ".join(f"{TASKS[row.task].title} {_efficiency(row)}" for row in table.itertuples())
-    clear = int((table.low > 1).sum())
+    whole, clear = int((table.low > 1).sum()), int((table.holm < LEVEL).sum())
     return (f"Static's timesteps over MOVE's for the same success: {each}. Median task {_median(table)}; above "
-            f"1 with its whole interval on {clear} of {len(table)}.")
+            f"1 with its whole interval on {whole} of {len(table)}, after Holm's adjustment on {clear}.")
 
 
 def _median(table: pd.DataFrame) -> str:

@@ -28,12 +28,12 @@ __all__ = ["readable", "shown"]  # besides what stands here: one place for a not
 def rate_table(episodes: pd.DataFrame, by: list[str], known: TrainingNoise = UNKNOWN) -> pd.DataFrame:
     """One row a group: success rate, 95 % interval, each seed's own rate, episodes, what the interval knows.
 
-    Below three seeds the training noise is pooled over the other groups. Column `trainings` is "own", "pooled" or
-    "unknown" as in `move.statistics.estimates.Estimate`, and "none" for an agent that is not trained.
+    Below three seeds the training noise is `known`, else pooled over the groups. Column `trainings` is "own", "pooled"
+    or "unknown" as in `move.statistics.estimates.Estimate`, and "none" for an agent that is not trained.
 
     Args:
         episodes: rows as `move.study.results.table` gives them, with the columns `by`.
-        known: the training noise of like cells elsewhere, for a table without a second seed.
+        known: the training noise of like cells elsewhere, known from more cells than this table has.
     """
     noise, rows = training_noise(episodes, by, known), []
     for key, group in episodes.groupby(by, sort=False):

@@ -1,4 +1,4 @@
-"""Variants of one method against each other: what moves, how fast, by which law, how much of the data; as tables.
+"""Variants of one method against each other: what moves, how fast, by which law, what is random; as tables.
 
 Each table has the columns of `move.report.differences.difference_table`, with the variant, and the one that it is held
 against in the column `baseline`. Holm's adjustment is over the rows of one task (and of one part, for speeds).
@@ -13,7 +13,7 @@ import pandas as pd
 
 from move.report.differences import COLUMNS, as_columns, with_holm
 from move.statistics.cells import successes, training_noise
-from move.statistics.estimates import UNKNOWN, TrainingNoise, difference
+from move.statistics.estimates import UNKNOWN, TrainingNoise, difference, pooled_noise, unpaired_difference
 
 USUAL = {"object": 0.03, "target": 0.03, "camera": 1.0}
 """The speeds used everywhere else: metres per step, and degrees per step of the camera."""
@@ -50,6 +50,17 @@ def share_table(episodes: pd.DataFrame, noise: TrainingNoise = UNKNOWN) -> pd.Da
     """Each share of MOVE against none."""
     pairs = [(share, 0.0) for share in sorted(episodes.share.unique()) if share]
     return pd.DataFrame(_compared(episodes, "share", pairs, noise, {}), columns=["share", *COMPARED])
+
+
+def factor_table(episodes: pd.DataFrame) -> pd.DataFrame:
+    """Static with more random (table 1) against static with the object alone; other factors, other configurations."""
+    cells = {factors: successes(rows) for factors, rows in
+             episodes[episodes.method == "static"].groupby("factors", sort=False)}
+    noise = pooled_noise(cells.values())
+    rows = [{"method": "static", "factors": more, "baseline": "object",
+             **as_columns(unpaired_difference(cells[more], cells["object"], noise))}
+            for more in cells if "object" in cells and more != "object"]
+    return pd.DataFrame(with_holm(rows), columns=["method", "factors", *COMPARED])
 
 
 def _compared(

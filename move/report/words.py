@@ -256,6 +256,8 @@ TABLES = {
                   "their width in points.",
     "table1_spatial_factors": f"Table 1: what is random, Pick-Place. {_RATES}",
     "table1_spatial_factors_differences": f"Table 1: what is random. {_DIFFERENCES}",
+    "table1_spatial_factors_lost": "Table 1: static with more random against static with the object alone, not "
+                                   "paired; in points, with 95 % intervals.",
     "table1_spatial_factors_costs": f"Table 1. {_COSTS}",
     "table2_main": "Table 2: success in per cent from pixels with 95 % intervals, the paper's beside it, the expert "
                    "(ceiling) and an expert that is told a wrong target (floor).",

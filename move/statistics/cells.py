@@ -15,6 +15,11 @@ def successes(episodes: pd.DataFrame) -> np.ndarray:
 
 
 def training_noise(episodes: pd.DataFrame, by: list[str], known: TrainingNoise = UNKNOWN) -> TrainingNoise:
-    """How much trainings vary, from the cells of `episodes` that have several seeds; `known` where none has."""
-    own = pooled_noise(successes(group) for _, group in episodes[episodes.method.isin(METHODS)].groupby(by))
-    return own if own.degrees else known
+    """How much trainings vary: `known` where something is, else from the cells of `episodes` that have several seeds.
+
+    What is known comes from many cells; a figure's own few can agree by chance, and two figures that show the same
+    rate would give it two intervals.
+    """
+    if known.degrees:
+        return known
+    return pooled_noise(successes(group) for _, group in episodes[episodes.method.isin(METHODS)].groupby(by))

@@ -10,7 +10,7 @@ what trainings differ.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.optimize import isotonic_regression
@@ -27,6 +27,7 @@ class Efficiency:
     """Static's timesteps over MOVE's for the same success; `inf` where static's curve does not reach it.
 
     `least` and `most` are the ratios of static's smallest and largest budget: the answer cannot lie outside them.
+    `draws` are the ratios of all resamples; empty where they are not kept.
     """
 
     ratio: float
@@ -34,9 +35,25 @@ class Efficiency:
     high: float
     least: float
     most: float
+    draws: np.ndarray = field(default_factory=lambda: np.empty(0), repr=False, compare=False)
 
     def __str__(self) -> str:
         return f"{self._told(self.ratio)} [{self._told(self.low)}, {self._told(self.high)}]"
+
+    def surely(self, ratio: float, above: float) -> float:
+        """`ratio` as far as it tells whether it is above a number: of `inf` only "more than `most`" is known."""
+        return ratio if ratio <= self.most or self.most >= above else self.most
+
+    def p_value(self, above: float) -> float:
+        """Twice the share of resamples that are not surely above a number, one resample at the least.
+
+        Raises:
+            ValueError: the resamples were not kept.
+        """
+        if not len(self.draws):
+            raise ValueError("p_value: no resample is kept; allowed is one or more")
+        short = sum(self.surely(ratio, above) <= above for ratio in self.draws)
+        return min(1.0, 2 * max(short, 1) / len(self.draws))
 
     def _told(self, ratio: float) -> str:
         if ratio > self.most:
@@ -88,7 +105,8 @@ def data_efficiency(
         drawn = rng.integers(0, configurations, (configurations,))
         ratios.append(_ratio(static, move, budget, drawn, noise.deviation, rng))
     low, high = np.quantile(ratios[1:], [(1 - CONFIDENCE) / 2, (1 + CONFIDENCE) / 2], method="nearest")
-    return Efficiency(ratios[0], float(low), float(high), min(static) / budget, max(static) / budget)
+    return Efficiency(ratios[0], float(low), float(high), min(static) / budget, max(static) / budget,
+                      np.array(ratios[1:]))
 
 
 def _ratio(

@@ -96,11 +96,8 @@ def success_rate(successes: np.ndarray, pooled: TrainingNoise = UNKNOWN) -> Esti
     0.400 [0.181, 0.652]
     """
     cell = _as_cell(successes)
-    rate, trials = float(cell.mean()), cell.shape[1]
-    centre = (rate * trials + 2) / (trials + 4)  # two successes and two failures more: never 0 or 1
-    least = max(centre * (1 - centre) / cell.size, _rest(cell))
-    variance, degrees = _total(cell.mean(axis=0), [cell], pooled, least, RATE_SHARE)
-    half = _quantile(degrees) * np.sqrt(variance)
+    rate, variance, degrees = _rate(cell, pooled)
+    centre, half = _centre(cell), _quantile(degrees) * np.sqrt(variance)
     return Estimate(rate, max(0.0, min(rate, centre - half)), min(1.0, max(rate, centre + half)), len(cell), cell.size,
                     _known(pooled, cell))
 
@@ -128,12 +125,45 @@ def mean_difference(pairs: Sequence[tuple[np.ndarray, np.ndarray]], pooled: Trai
     Raises:
         ValueError: different configurations.
     """
-    each = [_difference(_as_cell(first), _as_cell(second), pooled) for first, second in pairs]
-    values, variances, degrees = (np.array(column) for column in zip(*each, strict=True))
-    variance = variances.sum() / len(each) ** 2
-    effective = variances.sum() ** 2 / (variances**2 / degrees).sum()
+    value, variance, degrees = _mean([_difference(_as_cell(first), _as_cell(second), pooled)
+                                      for first, second in pairs])
+    return _estimate(value, variance, degrees, [_as_cell(cell) for pair in pairs for cell in pair], pooled)
+
+
+def unpaired_difference(first: np.ndarray, second: np.ndarray, pooled: TrainingNoise = UNKNOWN) -> Estimate:
+    """Rate of `first` minus rate of `second` where each has configurations of its own, as with other factors random.
+
+    Args:
+        first, second: (seeds, configurations).
+        pooled: the training variance of like cells, used for a method of fewer than three seeds.
+
+    >>> print(unpaired_difference(np.array([[1] * 12 + [0] * 8]), np.array([[1] * 4 + [0] * 16])))
+    0.400 [0.099, 0.701]
+    """
+    cells = [_as_cell(first), _as_cell(second)]
+    (one, *first_part), (other, *second_part) = (_rate(cell, pooled) for cell in cells)
+    return _estimate(one - other, *_sum([first_part, second_part]), cells, pooled)
+
+
+def relative_gain(pairs: Sequence[tuple[np.ndarray, np.ndarray]], pooled: TrainingNoise = UNKNOWN) -> Estimate:
+    """Mean rate of the firsts over that of the seconds, minus 1, with the interval of the logarithm of that ratio.
+
+    Both rates are taken as uncertain, and as independent: that the configurations are the same narrows nothing.
+
+    Args:
+        pairs: one a task, each as `difference` takes them.
+
+    Raises:
+        ValueError: one of the mean rates is 0, so that there is no ratio.
+    """
+    means = [_mean([_rate(_as_cell(pair[place]), pooled) for pair in pairs]) for place in (0, 1)]
+    if not all(value for value, _, _ in means):
+        raise ValueError("relative_gain: a mean rate of 0 given; allowed is above 0")
+    variance, degrees = _sum([(variance / value**2, degrees) for value, variance, degrees in means])
+    ratio, half = means[0][0] / means[1][0], _quantile(degrees) * np.sqrt(variance)
     cells = [_as_cell(cell) for pair in pairs for cell in pair]
-    return _estimate(float(values.mean()), variance, effective, cells, pooled)
+    return Estimate(float(ratio - 1), float(ratio * np.exp(-half) - 1), float(ratio * np.exp(half) - 1),
+                    min(map(len, cells)), sum(cell.size for cell in cells), _known(pooled, *cells))
 
 
 @dataclass(frozen=True)
@@ -250,6 +280,19 @@ def _quantile(degrees: float) -> float:
     return float(stats.t.ppf((1 + CONFIDENCE) / 2, degrees))
 
 
+def _centre(cell: np.ndarray) -> float:
+    """The rate with two successes and two failures more: never 0 or 1."""
+    trials = cell.shape[1]
+    return float((cell.mean() * trials + 2) / (trials + 4))
+
+
+def _rate(cell: np.ndarray, pooled: TrainingNoise) -> tuple[float, float, float]:
+    """Value, variance and degrees of freedom."""
+    centre = _centre(cell)
+    least = max(centre * (1 - centre) / cell.size, _rest(cell))
+    return float(cell.mean()), *_total(cell.mean(axis=0), [cell], pooled, least, RATE_SHARE)
+
+
 def _difference(first: np.ndarray, second: np.ndarray, pooled: TrainingNoise) -> tuple[float, float, float]:
     """Value, variance and degrees of freedom."""
     if first.shape[1] != second.shape[1]:
@@ -257,6 +300,18 @@ def _difference(first: np.ndarray, second: np.ndarray, pooled: TrainingNoise) ->
     apart = first.mean(axis=0) - second.mean(axis=0)
     least = 2 / (len(apart) + 2) ** 2 / min(len(first), len(second))  # as one more pair each way: no zero width
     return float(apart.mean()), *_total(apart, [first, second], pooled, least, DIFFERENCE_SHARE)
+
+
+def _sum(parts: Iterable[Sequence[float]]) -> tuple[float, float]:
+    """Variance of a sum of independent parts, each (variance, degrees of freedom), and its own degrees of freedom."""
+    variances, degrees = np.array(list(parts)).T
+    return float(variances.sum()), float(variances.sum() ** 2 / (variances**2 / degrees).sum())
+
+
+def _mean(parts: Sequence[tuple[float, float, float]]) -> tuple[float, float, float]:
+    """The mean of independent parts, each (value, variance, degrees of freedom), as such a part."""
+    variance, degrees = _sum(part[1:] for part in parts)
+    return float(np.mean([part[0] for part in parts])), variance / len(parts) ** 2, degrees
 
 
 def _estimate(
