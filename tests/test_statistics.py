@@ -8,12 +8,12 @@ from move.statistics.estimates import (
     difference,
     holm,
     mean_difference,
-    over_tasks,
     pooled_noise,
     relative_gain,
     success_rate,
     unpaired_difference,
 )
+from move.statistics.over_tasks import over_tasks
 from move.statistics.simulation import coverage, like_noise, outcomes
 
 DRAWS = 2000

@@ -14,8 +14,8 @@ from move.statistics.estimates import (
     difference,
     holm,
     mean_difference,
-    over_tasks,
 )
+from move.statistics.over_tasks import over_tasks
 
 Pair = tuple[np.ndarray, np.ndarray]
 COLUMNS = ("difference", "low", "high", "p", "holm", "trainings")
@@ -66,7 +66,7 @@ def difference_means(episodes: pd.DataFrame, by: str, others: tuple[str, ...] = 
 def tasks_table(episodes: pd.DataFrame, others: tuple[str, ...] = ("static", "adc")) -> pd.DataFrame:
     """MOVE against each other method with the task as the unit, one row a method: what other tasks might give.
 
-    Columns baseline, and those of `move.statistics.estimates.OverTasks`; a method that meets MOVE on fewer than
+    Columns baseline, and those of `move.statistics.over_tasks.OverTasks`; a method that meets MOVE on fewer than
     three tasks has no row.
     """
     rows = []

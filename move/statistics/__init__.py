@@ -2,6 +2,7 @@
 
 intervals.py         of one rate, and of a mean
 estimates.py         rates, differences, means over tasks: intervals that know trainings and configurations
+over_tasks.py        two methods with the task as the unit
 cells.py             from a table of episodes to arrays of successes
 simulation.py        how often the intervals hold the truth
 data_efficiency.py   how many times MOVE's timesteps static needs

@@ -166,54 +166,6 @@ def relative_gain(pairs: Sequence[tuple[np.ndarray, np.ndarray]], pooled: Traini
                     min(map(len, cells)), sum(cell.size for cell in cells), _known(pooled, *cells))
 
 
-@dataclass(frozen=True)
-class OverTasks:
-    """Two methods compared over tasks, the tasks themselves taken as a sample: what another set of tasks might give.
-
-    Means and interquartile means (IQM) of the rates of each method; the probability that a training of the first beats
-    one of the second on a task drawn at random (ties count half); p of the exact test that flips each task's sign.
-    """
-
-    tasks: int
-    mean_difference: float
-    low: float
-    high: float
-    iqm_first: float
-    iqm_second: float
-    iqm_low: float  # of the difference of the interquartile means
-    iqm_high: float
-    improvement: float
-    improvement_low: float
-    improvement_high: float
-    p_value: float
-
-
-def over_tasks(pairs: Sequence[tuple[np.ndarray, np.ndarray]]) -> OverTasks:
-    """Compare two methods with the task as the unit; intervals are of tasks resampled (t for the mean).
-
-    Args:
-        pairs: one a task, each as `difference` takes them; at least three.
-
-    Raises:
-        ValueError: fewer than three tasks.
-    """
-    if len(pairs) < 3:
-        raise ValueError(f"over_tasks: {len(pairs)} tasks given; allowed are three or more")
-    rates = np.array([[_as_cell(first).mean(), _as_cell(second).mean()] for first, second in pairs])
-    better = np.array([_beats(_as_cell(first), _as_cell(second)) for first, second in pairs])
-    differences = rates[:, 0] - rates[:, 1]
-    spread = stats.t.interval(CONFIDENCE, len(pairs) - 1, differences.mean(), max(stats.sem(differences), 1e-3))
-    iqm = _resampled(rates, lambda drawn: _iqm(drawn[..., 0]) - _iqm(drawn[..., 1]))
-    improvement = _resampled(better[:, None], lambda drawn: drawn[..., 0].mean(axis=-1))
-    flipped = stats.permutation_test((differences,), lambda values, axis: values.mean(axis=axis), n_resamples=np.inf,
-                                     permutation_type="samples", vectorized=True)
-    return OverTasks(
-        tasks=len(pairs), mean_difference=float(differences.mean()), low=float(spread[0]), high=float(spread[1]),
-        iqm_first=float(_iqm(rates[:, 0])), iqm_second=float(_iqm(rates[:, 1])), iqm_low=iqm[0], iqm_high=iqm[1],
-        improvement=float(better.mean()), improvement_low=improvement[0], improvement_high=improvement[1],
-        p_value=float(flipped.pvalue))
-
-
 def holm(p_values: Sequence[float]) -> np.ndarray:
     """The p values of several comparisons, adjusted by Holm so that a wrong one among all is as rare as for one."""
     return multipletests(p_values, method="holm")[1]
@@ -322,19 +274,3 @@ def _estimate(
     return Estimate(value, max(-1.0, value - half), min(1.0, value + half), min(map(len, cells)),
                     sum(cell.size for cell in cells), _known(pooled, *cells),
                     float(2 * stats.t.sf(abs(value) / deviation, degrees)))
-
-
-def _beats(first: np.ndarray, second: np.ndarray) -> float:
-    apart = first.mean(axis=1)[:, None] - second.mean(axis=1)[None]
-    return float((apart > 0).mean() + (apart == 0).mean() / 2)
-
-
-def _iqm(rates: np.ndarray) -> np.ndarray:
-    return stats.trim_mean(rates, 0.25, axis=-1)
-
-
-def _resampled(values: np.ndarray, statistic, draws: int = 4000) -> tuple[float, float]:
-    """Percentile interval of a statistic of rows drawn with replacement, the same draws each time."""
-    rows = np.random.default_rng(0).integers(len(values), size=(draws, len(values)))
-    ends = np.quantile(statistic(values[rows]), [(1 - CONFIDENCE) / 2, (1 + CONFIDENCE) / 2])
-    return float(ends[0]), float(ends[1])
