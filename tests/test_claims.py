@@ -8,8 +8,8 @@ import pytest
 from move import paths
 from move.claims import ledger
 from move.claims.evidence import Evidence
+from move.claims.registry import CLAIMS
 from move.claims.rule import (
-    CLAIMS,
     VERDICTS,
     Contradiction,
     Finding,

@@ -1,6 +1,6 @@
 """Each checkable claim of the paper: a line of it, where it stands, the figure that shows it, and what decides it.
 
-The rule that makes verdicts of findings is in `claims`; `decide` applies it to all of them.
+The rule that makes verdicts of findings is in `rule`; `decide` applies it to all of them.
 """
 
 from __future__ import annotations
@@ -12,7 +12,8 @@ import pandas as pd
 
 from move import paper
 from move.claims.evidence import Evidence
-from move.claims.rule import CLAIMS, Contradiction, Finding, Item, Untestable, claim, verdict
+from move.claims.registry import CLAIMS, claim
+from move.claims.rule import Contradiction, Finding, Item, Untestable, verdict
 from move.paper import PAPER_TASKS
 from move.realworld.trials import compare
 from move.sim.collection import Collection, Method

@@ -1,6 +1,6 @@
 """Verdicts on claims: what a claim hangs on, as numbers with intervals, and one rule that turns them into a verdict.
 
-A claim is a function of the evidence that returns its findings. Nobody types a verdict:
+Nobody types one:
 
     contradicted        the paper's own printed numbers say otherwise
     cannot be tested    nothing that runs here could decide it
@@ -14,16 +14,12 @@ A finding is clear where its whole 95 % interval lies on the claimed side, after
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from move.statistics.estimates import holm
-
-if TYPE_CHECKING:
-    from move.claims.evidence import Evidence
 
 LEVEL = 0.05
 VERDICTS = ("supported", "partly", "not here", "contradicted by the paper's own table", "cannot be tested here",
@@ -106,31 +102,6 @@ class Untestable:
 
 
 Item = Finding | Missing | Contradiction | Untestable
-
-
-@dataclass(frozen=True)
-class Claim:
-    """A sentence of the paper that can be checked, where it stands, which figure shows it, and what decides it."""
-
-    number: int
-    quote: str
-    place: str
-    figure: str
-    decided_by: Callable[[Evidence], Sequence[Item]] = field(repr=False)
-
-
-CLAIMS: dict[int, Claim] = {}
-
-
-def claim(quote: str, place: str, figure: str) -> Callable:
-    """Register what decides a claim; claims are numbered in the order in which they are written."""
-
-    def register(decided_by: Callable[[Evidence], Sequence[Item]]) -> Callable[[Evidence], Sequence[Item]]:
-        number = len(CLAIMS) + 1
-        CLAIMS[number] = Claim(number, quote, place, figure, decided_by)
-        return decided_by
-
-    return register
 
 
 def verdict(items: Sequence[Item]) -> str:
