@@ -20,7 +20,7 @@ from move.sim.collection import Collection, Method
 from move.sim.coverage import PARTS, configurations, visited_share
 from move.sim.grasp_points import CIRCLE
 from move.sim.tasks import TASKS, get_task
-from move.statistics.cells import successes
+from move.statistics.cells import inside_and_outside, successes
 from move.statistics.data_efficiency import data_efficiency
 
 STATIC, ADC, MOVE = ({"method": name, "observation": "rgb"} for name in ("static", "adc", "move"))
@@ -196,15 +196,11 @@ def _(evidence: Evidence) -> list[Item]:
 def _circle(evidence: Evidence, where: str) -> Item:
     printed = paper.published("fig5_circle", condition=where).set_index("method").value
     what = f"MOVE minus static, {where}"
-    move, static = (evidence.rows("fig5_circle", method=method, **GRID, **APART) for method in ("move", "static"))
+    rows = inside_and_outside(evidence.rows("fig5_circle", **APART), CIRCLE)
+    move, static = (rows[(rows["where"] == where) & (rows.method == method)] for method in ("move", "static"))
     if move.empty or static.empty:
         return evidence.missing(what, "fig5_circle", {"method": "static" if static.empty else "move"})
-    return evidence.apart(what, _of_circle(move, where), _of_circle(static, where), printed.move - printed.static)
-
-
-def _of_circle(rows: pd.DataFrame, where: str) -> pd.DataFrame:
-    inside = np.array([CIRCLE.contains((x, y, 0.0)) for x, y in zip(rows.object_x, rows.object_y, strict=True)])
-    return rows[inside if where == "inside" else ~inside]
+    return evidence.apart(what, move, static, printed.move - printed.static)
 
 
 @claim("dominates within the circle: 21.3% against 43.7%", "IV-A, figure 5", "fig5_circle")

@@ -11,10 +11,9 @@ from move.paper import PAPER_METHODS, PAPER_TASKS
 from move.report.printed import ABSENT, readable, shown
 from move.report.style import NAMES
 from move.sim.collection import METHODS
-from move.sim.configuration import Disc
 from move.sim.tasks import TASKS
 from move.sim.tasks.task import acceptance_rate
-from move.statistics.cells import successes, training_noise
+from move.statistics.cells import inside_and_outside, successes, training_noise
 from move.statistics.estimates import UNKNOWN, TrainingNoise, difference, success_rate
 from move.statistics.intervals import wilson_interval
 from move.study.labels import LabelledRun
@@ -22,7 +21,7 @@ from move.study.profiles import Profile
 from move.study.results import Result
 from move.study.spec import CollectionRun, PolicyRun
 
-__all__ = ["readable", "shown"]  # besides what stands here: one place for a notebook's tables
+__all__ = ["inside_and_outside", "readable", "shown"]  # besides what stands here: one place for a notebook's tables
 
 
 def rate_table(episodes: pd.DataFrame, by: list[str], known: TrainingNoise = UNKNOWN) -> pd.DataFrame:
@@ -75,13 +74,6 @@ def by_hand_start(episodes: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
     """
     apart = episodes.hand_spread > 0
     return episodes[apart], episodes[~apart]
-
-
-def inside_and_outside(episodes: pd.DataFrame, disc: Disc) -> pd.DataFrame:
-    """The grid's episodes with a column `where`: "inside" or "outside" of `disc`, by the object's place."""
-    grid = episodes[episodes.group == "grid"]
-    inside = [disc.contains((x, y, 0.0)) for x, y in zip(grid.object_x, grid.object_y, strict=True)]
-    return grid.assign(where=np.where(inside, "inside", "outside")).sort_values("where", kind="stable")
 
 
 def grasp_points(results: list[Result]) -> pd.DataFrame:

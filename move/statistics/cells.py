@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 
 from move.sim.collection import METHODS
+from move.sim.configuration import Disc
 from move.statistics.estimates import UNKNOWN, TrainingNoise, pooled_noise
 
 
@@ -23,3 +24,10 @@ def training_noise(episodes: pd.DataFrame, by: list[str], known: TrainingNoise =
     if known.degrees:
         return known
     return pooled_noise(successes(group) for _, group in episodes[episodes.method.isin(METHODS)].groupby(by))
+
+
+def inside_and_outside(episodes: pd.DataFrame, disc: Disc) -> pd.DataFrame:
+    """The grid's episodes with a column `where`: "inside" or "outside" of `disc`, by the object's place."""
+    grid = episodes[episodes.group == "grid"]
+    inside = [disc.contains((x, y, 0.0)) for x, y in zip(grid.object_x, grid.object_y, strict=True)]
+    return grid.assign(where=np.where(inside, "inside", "outside")).sort_values("where", kind="stable")
