@@ -113,6 +113,23 @@ def test_a_saved_figure_is_the_same_file_every_time(tmp_path):
     assert written[0] == written[1]
 
 
+def test_a_figure_is_saved_alike_whether_or_not_it_has_been_shown(tmp_path):
+    style.use_style()
+    written = []
+    for shown in ((), (150,), (72, 200, 150)):
+        figure, panels = plt.subplots(1, 3, figsize=(style.PAGE_WIDTH, 2.3))
+        for ax in panels:
+            ax.set(aspect="equal", xlabel="object x (m)", title="a panel")
+        figure.colorbar(panels[0].imshow(np.eye(3)), ax=panels[2], label="success rate")
+        for dpi in shown:
+            figure.set_dpi(dpi)
+            figure.canvas.draw()
+        folder = tmp_path / str(len(shown))
+        style.save(figure, "f", folder)
+        written.append([(folder / f"f.{kind}").read_bytes() for kind in ("pdf", "png")])
+    assert written[0] == written[1] == written[2]
+
+
 def a_scene(levels: int, folder, size: float = 1.0, title: str = "Scene") -> list[bytes]:
     """What is in `folder` once a grey scene is saved there, one pixel of which is so many levels brighter."""
     image = np.full((40, 40, 3), 100, np.uint8)

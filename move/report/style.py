@@ -13,6 +13,7 @@ import numpy as np
 import seaborn as sns
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.transforms import Bbox
 from PIL import Image
 
 from move.report.captions import Caption
@@ -45,6 +46,8 @@ COLUMN_WIDTH = 3.4  # inches, one column of a two-column page
 PAGE_WIDTH = 7.0  # inches
 LEAST_POINTS = 7.0  # no text in a figure is smaller
 UNSEEN_LEVELS = 2  # of 255: a pixel that differs by no more looks the same
+MOST_PASSES = 40  # of the layout until nothing moves; about ten are enough
+STILL = 1e-9  # of the figure's width or height: axes that move by less have come to rest
 LETTERS = "abcdefghijklmnopqrstuvwxyz"
 
 
@@ -93,6 +96,40 @@ def stamp(figure: Figure, text: str, colour: str = "0.35", points: float = 24) -
                 ha="center", va="center", rotation=rotation, weight="bold", zorder=-1)
 
 
+def settle(figure: Figure) -> None:
+    """Lay the figure out until nothing moves, and leave it so.
+
+    A pass of matplotlib's layout starts where the last one ended, and axes of equal aspect still move in the next.
+    After one pass a figure that a notebook has shown would be written with other bytes than one that it has not.
+
+    Raises:
+        RuntimeError: the layout does not come to rest.
+    """
+    engine, dpi = figure.get_layout_engine(), figure.get_dpi()
+    if engine is None or not figure.axes:
+        return
+    figure.set_dpi(mpl.rcParams["savefig.dpi"])
+    places = _places(figure)
+    for _ in range(MOST_PASSES):
+        engine.execute(figure)
+        for ax in figure.axes:
+            ax.apply_aspect()
+        before, places = places, _places(figure)
+        if np.abs(places - before).max(initial=0) < STILL:
+            break
+    else:
+        raise RuntimeError(f"the layout of a figure still moves after {MOST_PASSES} passes")
+    figure.set_layout_engine("none")
+    for ax in figure.axes:  # whatever is left of the way there is rounded off
+        ax.set_position(Bbox(ax.get_position(original=True).get_points().round(6)), which="original")
+    figure.set_dpi(dpi)
+
+
+def _places(figure: Figure) -> np.ndarray:
+    """Left, bottom, width and height of all axes, as fractions of the figure's; `(axes, 4)`."""
+    return np.array([ax.get_position().bounds for ax in figure.axes]).reshape(-1, 4)
+
+
 def save(figure: Figure, name: str, folder: Path, caption: Caption | None = None) -> None:
     """Write `name`.pdf and `name`.png into `folder`, and their caption, which both of them also hold, beside them.
 
@@ -102,6 +139,7 @@ def save(figure: Figure, name: str, folder: Path, caption: Caption | None = None
     folder.mkdir(parents=True, exist_ok=True)
     title, alt = (caption.title, caption.alt) if caption else (name, "")
     page, picture, drawn = folder / f"{name}.pdf", folder / f"{name}.png", BytesIO()
+    settle(figure)
     figure.savefig(drawn, format="png", metadata={"Software": None, "Title": title, "Description": alt})
     if not (page.exists() and picture.exists() and _look_alike(picture, drawn)):
         figure.savefig(page, metadata={"CreationDate": None, "ModDate": None, "Title": title, "Subject": alt})
