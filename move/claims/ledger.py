@@ -20,7 +20,7 @@ from move.sim.collection import Collection, Method
 from move.sim.coverage import PARTS, configurations, visited_share
 from move.sim.grasp_points import CIRCLE
 from move.sim.tasks import TASKS, get_task
-from move.statistics.cells import inside_and_outside, successes
+from move.statistics.cells import by_budget, inside_and_outside
 from move.statistics.data_efficiency import data_efficiency
 
 STATIC, ADC, MOVE = ({"method": name, "observation": "rgb"} for name in ("static", "adc", "move"))
@@ -103,9 +103,7 @@ def _(evidence: Evidence) -> list[Item]:
 def _efficiency(evidence: Evidence, task: str, above: float = 1.0, printed: float = float("nan")) -> Item:
     """Static's timesteps over MOVE's for the same success, said to be above a number."""
     rows = evidence.rows("fig4_scaling", task=task, observation="rgb")
-    curves = {method: {budget: successes(cell) for budget, cell in rows[rows.method == method].groupby("timesteps")}
-              for method in ("static", "move")}
-    budget = min(get_task(task).timesteps, 20_000)
+    curves, budget = by_budget(rows), min(get_task(task).timesteps, 20_000)
     if min(map(len, curves.values())) < 3 or budget not in curves["move"]:
         return evidence.missing(f"{TASKS[task].title}, three budgets", "fig4_scaling", {"task": task})
     found = data_efficiency(curves["static"], curves["move"], budget, evidence.noise)

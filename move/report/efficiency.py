@@ -8,7 +8,7 @@ import pandas as pd
 from move.paper import published
 from move.report.differences import COLUMNS, LEVEL, as_columns, spoken_difference, with_holm
 from move.sim.tasks import TASKS, get_task
-from move.statistics.cells import successes, training_noise
+from move.statistics.cells import by_budget, successes, training_noise
 from move.statistics.data_efficiency import Efficiency, data_efficiency
 from move.statistics.estimates import UNKNOWN, TrainingNoise, difference
 
@@ -28,12 +28,9 @@ def efficiency_table(episodes: pd.DataFrame, most_timesteps: int, known: Trainin
     """
     noise, rows = training_noise(episodes, ["task", "method", "timesteps"], known), []
     for task, group in episodes.groupby("task", sort=False):
-        curves = {method: {budget: successes(cell) for budget, cell in rows_of.groupby("timesteps")}
-                  for method, rows_of in group.groupby("method")}
-        budget = min(get_task(task).timesteps, most_timesteps)
-        static, move = curves.get("static", {}), curves.get("move", {})
-        if min(len(static), len(move)) > 1 and budget in move:
-            found = data_efficiency(static, move, budget, noise)
+        curves, budget = by_budget(group), min(get_task(task).timesteps, most_timesteps)
+        if min(map(len, curves.values())) > 1 and budget in curves["move"]:
+            found = data_efficiency(curves["static"], curves["move"], budget, noise)
             rows.append({"task": task, "timesteps": budget, **vars(found), "p": found.p_value(1.0)})
     return pd.DataFrame(with_holm(rows), columns=EFFICIENCY)
 

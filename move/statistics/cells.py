@@ -15,6 +15,13 @@ def successes(episodes: pd.DataFrame) -> np.ndarray:
     return episodes.pivot(index="seed", columns="trial", values="success").to_numpy(dtype=float)
 
 
+def by_budget(episodes: pd.DataFrame) -> dict[str, dict[int, np.ndarray]]:
+    """The `successes` of static and of MOVE on one task at each budget, in timesteps."""
+    rows_of = {method: episodes[episodes.method == method] for method in ("static", "move")}
+    return {method: {budget: successes(cell) for budget, cell in rows.groupby("timesteps")}
+            for method, rows in rows_of.items()}
+
+
 def training_noise(episodes: pd.DataFrame, by: list[str], known: TrainingNoise = UNKNOWN) -> TrainingNoise:
     """How much trainings vary: `known` where something is, else from the cells of `episodes` that have several seeds.
 
