@@ -115,7 +115,7 @@ def settle(figure: Figure) -> None:
         for ax in figure.axes:
             ax.apply_aspect()
         before, places = places, _places(figure)
-        if np.abs(places - before).max(initial=0) < STILL:
+        if np.abs(places - before).max() < STILL:
             break
     else:
         raise RuntimeError(f"the layout of a figure still moves after {MOST_PASSES} passes")
@@ -127,7 +127,7 @@ def settle(figure: Figure) -> None:
 
 def _places(figure: Figure) -> np.ndarray:
     """Left, bottom, width and height of all axes, as fractions of the figure's; `(axes, 4)`."""
-    return np.array([ax.get_position().bounds for ax in figure.axes]).reshape(-1, 4)
+    return np.array([ax.get_position().bounds for ax in figure.axes])
 
 
 def save(figure: Figure, name: str, folder: Path, caption: Caption | None = None) -> None:
