@@ -103,7 +103,7 @@ def _(evidence: Evidence) -> list[Item]:
 def _efficiency(evidence: Evidence, task: str, above: float = 1.0, printed: float = float("nan")) -> Item:
     """Static's timesteps over MOVE's for the same success, said to be above a number."""
     rows = evidence.rows("fig4_scaling", task=task, observation="rgb")
-    curves, budget = by_budget(rows), min(get_task(task).timesteps, 20_000)
+    curves, budget = by_budget(rows), get_task(task).budget(20_000)
     if min(map(len, curves.values())) < 3 or budget not in curves["move"]:
         return evidence.missing(f"{TASKS[task].title}, three budgets", "fig4_scaling", {"task": task})
     found = data_efficiency(curves["static"], curves["move"], budget, evidence.noise)

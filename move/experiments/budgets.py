@@ -10,4 +10,4 @@ from move.sim.tasks import get_task
 
 def budgets(tasks: Iterable[str], most_timesteps: int) -> dict[str, dict[str, Any]]:
     """The axis `task`, each task with the paper's budget for it, but at most `most_timesteps`."""
-    return {name: {"task": name, "timesteps": min(get_task(name).timesteps, most_timesteps)} for name in tasks}
+    return {name: {"task": name, "timesteps": get_task(name).budget(most_timesteps)} for name in tasks}

@@ -31,6 +31,7 @@ class TimeFeatures(nn.Module):
         self.register_buffer("table", torch.cat([angle.sin(), angle.cos()], -1), persistent=False)
 
     def forward(self, time: Tensor) -> Tensor:
+        """Features of diffusion times: (B,) int64 -> (B, TIME_FEATURES) float32."""
         return self.table[time]
 
 
@@ -49,6 +50,7 @@ class ResidualMLP(nn.Module):
         self.output_projection = nn.Sequential(nn.LayerNorm(width), nn.Linear(width, size))
 
     def forward(self, noisy: Tensor, time: Tensor, condition: Tensor) -> Tensor:
+        """(B, T, action_size), (B,) int64 and (B, condition_size) to a prediction, (B, T, action_size)."""
         stream = self.input_projection(torch.cat([noisy.flatten(1), condition, self.time(time)], -1))
         for block in self.blocks:
             stream = stream + block(stream)
@@ -62,6 +64,7 @@ class TimeConvolution(nn.Conv1d):
     """
 
     def forward(self, x: Tensor) -> Tensor:
+        """(B, channels, T) -> (B, wider, T)."""
         if x.device.type != "cpu":
             return super().forward(x)
         (taps,) = self.kernel_size
@@ -84,6 +87,7 @@ class FilmBlock(nn.Module):
         self.shortcut = nn.Conv1d(channels, wider, 1) if channels != wider else nn.Identity()
 
     def forward(self, x: Tensor, condition: Tensor) -> Tensor:
+        """(B, channels, T) under (B, condition_size) -> (B, wider, T)."""
         scale, shift = self.film(condition)[..., None].chunk(2, dim=1)
         return self.second(scale * self.first(x) + shift) + self.shortcut(x)
 
@@ -96,6 +100,7 @@ class FilmPair(nn.Module):
         self.first, self.second = FilmBlock(channels, wider, condition_size), FilmBlock(wider, wider, condition_size)
 
     def forward(self, x: Tensor, condition: Tensor) -> Tensor:
+        """(B, channels, T) under (B, condition_size) -> (B, wider, T)."""
         return self.second(self.first(x, condition), condition)
 
 
@@ -118,6 +123,7 @@ class UNet(nn.Module):
         self.output_projection = nn.Sequential(convolution(widths[0], widths[0]), nn.Conv1d(widths[0], action_size, 1))
 
     def forward(self, noisy: Tensor, time: Tensor, condition: Tensor) -> Tensor:
+        """(B, T, action_size), (B,) int64 and (B, condition_size) to a prediction, (B, T, action_size)."""
         condition = torch.cat([self.time(time), condition], -1)
         x, skips = noisy.transpose(1, 2), []
         for i, down in enumerate(self.down):

@@ -70,9 +70,11 @@ class MinMaxNormalizer(nn.Module):
         self.offset.copy_(-self.scale * (low + high) / 2)
 
     def forward(self, values: Tensor) -> Tensor:
+        """Data to [-1, 1]: (..., size) -> (..., size) float32."""
         return torch.addcmul(self.offset, values, self.scale)
 
     def inverse(self, values: Tensor) -> Tensor:
+        """From [-1, 1] back to the data's own units: (..., size) -> (..., size) float32."""
         return (values - self.offset) / self.scale
 
 
@@ -80,6 +82,7 @@ class Pixels(nn.Module):
     """Images (N, H, W, 3) uint8 to (N, 3, H, W) in [-1, 1], in the precision that training runs in."""
 
     def forward(self, images: Tensor) -> Tensor:
+        """(N, H, W, 3) uint8 -> (N, 3, H, W) in [-1, 1]."""
         device = images.device.type
         dtype = torch.get_autocast_dtype(device) if torch.is_autocast_enabled(device) else torch.float32
         return images.permute(0, 3, 1, 2).to(dtype).div_(127.5).sub_(1)  # stays in channels-last order

@@ -29,6 +29,7 @@ class Keypoints(Encoder):
         (self.features,) = observation_shape
 
     def forward(self, observation: Tensor) -> Tensor:
+        """(N, coordinates) float32, unchanged."""
         return observation
 
 
@@ -51,6 +52,7 @@ class SpatialSoftmax(nn.Module):
         self.register_buffer("grid", torch.stack([x.flatten(), y.flatten()]), persistent=False)  # (2, H * W)
 
     def forward(self, maps: Tensor) -> Tensor:
+        """(N, channels, H, W) -> (N, 2 * points) float32."""
         mass = self.keypoint_logits(maps.permute(0, 2, 3, 1).flatten(1, 2)).float().softmax(1)  # (N, H * W, points)
         with torch.autocast(maps.device.type, enabled=False):  # a place needs more digits than bfloat16 has
             return torch.bmm(self.grid.expand(len(mass), -1, -1), mass).flatten(1)
@@ -67,6 +69,7 @@ class ResidualBlock(nn.Module):
         )
 
     def forward(self, maps: Tensor) -> Tensor:
+        """(N, channels, H, W) -> the same shape."""
         return maps + self.residual(maps)
 
 
@@ -88,6 +91,7 @@ class SmallCNN(Encoder):
         self.features = 2 * training.cnn_points
 
     def forward(self, image: Tensor) -> Tensor:
+        """(N, 3, H, W) in [-1, 1] -> (N, features)."""
         return self.spatial_softmax(self.backbone(image))
 
 
@@ -105,6 +109,7 @@ class BasicBlock(nn.Module):
             self.shortcut = nn.Sequential(nn.Conv2d(channels, wider, 1, stride, bias=False), _group_norm(wider))
 
     def forward(self, maps: Tensor) -> Tensor:
+        """(N, channels, H, W) -> (N, wider, H / stride, W / stride), rounded up."""
         return torch.relu(self.residual(maps) + self.shortcut(maps))
 
 
@@ -130,6 +135,7 @@ class ResNet18(Encoder):
         self.output_projection = nn.Linear(2 * training.cnn_points, self.features)
 
     def forward(self, image: Tensor) -> Tensor:
+        """(N, 3, H, W) in [-1, 1] -> (N, 64)."""
         return self.output_projection(self.spatial_softmax(self.backbone(image)))
 
 

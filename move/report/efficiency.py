@@ -28,7 +28,7 @@ def efficiency_table(episodes: pd.DataFrame, most_timesteps: int, known: Trainin
     """
     noise, rows = training_noise(episodes, ["task", "method", "timesteps"], known), []
     for task, group in episodes.groupby("task", sort=False):
-        curves, budget = by_budget(group), min(get_task(task).timesteps, most_timesteps)
+        curves, budget = by_budget(group), get_task(task).budget(most_timesteps)
         if min(map(len, curves.values())) > 1 and budget in curves["move"]:
             found = data_efficiency(curves["static"], curves["move"], budget, noise)
             rows.append({"task": task, "timesteps": budget, **vars(found), "p": found.p_value(1.0)})

@@ -139,6 +139,10 @@ class Task:
         """Whether the pick phase ends with a grasp; otherwise it ends with the first touch."""
         return isinstance(self.manipulation, GraspParameters)
 
+    def budget(self, most_timesteps: int) -> int:
+        """The paper's budget of a data set (table 5), but at most `most_timesteps`, in timesteps."""
+        return min(self.timesteps, most_timesteps)
+
     def allows(self, configuration: SpatialConfiguration, distance: float) -> bool:
         """Whether object and target are `distance` metres apart in the plane, and everything within reach."""
         return self._apart(configuration, distance) and self.reachable(configuration)
