@@ -14,7 +14,7 @@ SCRIPT.loader.exec_module(results_table)
 
 def test_readme_shows_what_the_script_writes():
     text = results_table.README.read_text()
-    assert text == results_table.with_table(text)
+    assert text == results_table.with_results(text)
 
 
 @pytest.mark.parametrize("value, low, high, published, words", [

@@ -1,6 +1,7 @@
-"""Writes README's table of results, between its markers, from the figures' own tables: `python tools/results_table.py`.
+"""Writes README's results, between its markers, from the figures' own tables: `python tools/results_table.py`.
 
 The verdict of a row is a rule on two numbers and an interval (`move.report.differences.verdict`); nobody words it.
+Below the table stand figure 4 as a number and how many of the paper's claims have which verdict.
 """
 
 from __future__ import annotations
@@ -8,7 +9,9 @@ from __future__ import annotations
 import pandas as pd
 
 from move import paper, paths
+from move.claims.rule import VERDICTS
 from move.report.differences import verdict
+from move.report.efficiency import spoken_efficiency
 from move.study.profiles import load_profile
 
 START, END = "<!-- results: written by tools/results_table.py -->", "<!-- end of results -->"
@@ -32,10 +35,18 @@ def table() -> str:
     return head + "\n".join(rows()) + "\n"
 
 
-def with_table(text: str) -> str:
-    """`text` with what stands between the two markers replaced by the table."""
+def sentences() -> str:
+    """Data efficiency (figure 4) and the ledger of claims, a line each."""
+    counts = _read("claims").verdict.value_counts()
+    told = ", ".join(f"{counts[name]} {name}" for name in VERDICTS if name in counts)
+    return (f"**Figure 4.** {spoken_efficiency(_read('fig4_scaling_efficiency'))}\n\n"
+            f"**The paper's {counts.sum()} claims.** {told}.\n")
+
+
+def with_results(text: str) -> str:
+    """`text` with what stands between the two markers replaced by the table and the sentences."""
     before, rest = text.split(START)
-    return f"{before}{START}\n{table()}{END}{rest.split(END)[1]}"
+    return f"{before}{START}\n{table()}\n{sentences()}{END}{rest.split(END)[1]}"
 
 
 def _read(name: str) -> pd.DataFrame:
@@ -86,4 +97,4 @@ def _tasks(other: str) -> str:
 
 
 if __name__ == "__main__":
-    README.write_text(with_table(README.read_text()))
+    README.write_text(with_results(README.read_text()))
