@@ -84,7 +84,7 @@ def test_the_strict_condition_is_judged_beside_success(monkeypatch, strict):
 
     def advance(scene: Scene, action: np.ndarray) -> None:
         real(scene, action)
-        scene.success, scene.strict_steps = scene.steps == 5, strict
+        scene.success, scene.recorded_steps = scene.steps == 5, {"strict_success": strict}
 
     class Still(Recorder):
         def act(self, running, scenes, observations):

@@ -76,14 +76,16 @@ class Stock:
 
 
 def test_success_agrees_with_metaworld(task):
+    rule = dict(task.recorded).get("metaworld_success", task.success)
     stock, scene, expert, positives = Stock(task), Scene(task), make_expert("phase", task), 0
     for seed in range(2):
         scene.reset(options={"configuration": unturned(task, seed)})
         expert.reset()
         while scene.steps < 160:
             scene.advance(expert.action(scene))
-            assert task.success(scene) == stock.success(scene), f"step {scene.steps}"
-            positives += scene.success
+            judged = stock.success(scene)
+            assert rule(scene) == judged, f"step {scene.steps}"
+            positives += judged
     assert positives >= 10
 
 
@@ -104,12 +106,14 @@ def test_success_without_contact_does_not_count():
     assert get_task("push").success(scene) and not scene.success
 
 
-def test_hammer_records_strict_success_and_others_do_not():
-    (row,) = evaluate(Expert("phase"), get_task("hammer"), Evaluation(episodes=1))
-    assert row["success"] and row["strict_success"]
-    assert Scene("hammer").reset(seed=0)[1]["strict_success"] is False
+@pytest.mark.parametrize("name, other", [("hammer", "strict_success"), ("box-close", "metaworld_success")])
+def test_a_row_holds_the_tasks_other_condition_and_no_other_tasks(name, other):
+    (row,) = evaluate(Expert("phase"), get_task(name), Evaluation(episodes=1))
+    assert row["success"] and row["end_success"] and row["held"] and row[other]
+    assert Scene(name).reset(seed=0)[1][other] is False
     (row,) = evaluate(Nothing(), get_task("pick-place"), Evaluation(episodes=1))
-    assert "strict_success" not in row and "strict_success" not in Scene("pick-place").reset(seed=0)[1]
+    assert other not in row and other not in Scene("pick-place").reset(seed=0)[1]
+    assert not (row["success"] or row["end_success"] or row["held"])
 
 
 # collection and experts ------------------------------------------------------------------------------------------
@@ -125,9 +129,13 @@ def test_every_method_collects(task, method):
 @pytest.mark.parametrize("name", ("phase", "metaworld"))
 def test_experts_act_within_bounds_and_solve(task, name):
     scene, expert = Scene(task), make_expert(name, task)
-    solved = [demonstrate(scene, expert, seed, {"configuration": unturned(task, seed)}) for seed in range(3)]
-    assert any(episode.succeeded for episode in solved)
-    assert all(scene.action_space.contains(action) for episode in solved for action in episode.actions)
+    solved = 0
+    for seed in range(3):
+        episode = demonstrate(scene, expert, seed, {"configuration": unturned(task, seed)})
+        solved += episode.succeeded if name == "phase" else scene.recorded_steps.get("metaworld_success",
+                                                                                    episode.succeeded)
+        assert all(scene.action_space.contains(action) for action in episode.actions)
+    assert solved, "Meta-World's expert need only meet Meta-World's condition"
 
 
 @pytest.mark.parametrize("name", WITH_TARGET)

@@ -102,8 +102,10 @@ def evaluate(
     Returns:
         One row an episode: trial (the index of its start), group, the whole configuration that was tried (as
         `SpatialConfiguration.columns` names it), success (at least one successful step, Meta-World's rule),
-        success_steps (10 is the authors' rule for a demonstration), steps; for a task with a strict condition
-        strict_success as well.
+        success_steps (10 end a demonstration in the authors' code), end_success (the episode's last step was
+        successful), held (both fingers held the object, or touched it where the task is done without a grasp, at some
+        step: a failed grasp is told from a missed target), steps; and the task's other conditions by their names, each
+        whether it held at some step.
     """
     listed, rows = starts(task, evaluation, own), []
     for first in range(0, len(listed), batch_size):
@@ -129,6 +131,6 @@ def _called(callback: Callable[[int, Scene], None], before: int, index: int, sce
 
 def _row(index: int, start: Start, rollout: Rollout) -> dict:
     row = {"trial": index, "group": start.group, **start.configuration.columns(), "success": rollout.successes > 0,
-           "success_steps": rollout.successes, "steps": rollout.scene.steps}
-    strict = rollout.scene.task.strict_success
-    return row | {"strict_success": rollout.scene.strict_steps > 0} if strict else row
+           "success_steps": rollout.successes, "end_success": rollout.scene.success,
+           "held": rollout.scene.phase == "place", "steps": rollout.scene.steps}
+    return row | {name: steps > 0 for name, steps in rollout.scene.recorded_steps.items()}

@@ -18,6 +18,7 @@ from move.choices import Control
 from move.learn.evaluate import Evaluation
 from move.learn.settings import Training
 from move.sim.collection import Collection
+from move.sim.tasks import get_task
 
 RESULTS_VERSION = 1
 """Raised by hand whenever the behaviour of collection, training or evaluation changes; it makes every hash new."""
@@ -49,6 +50,8 @@ class _Run(BaseModel):
         chosen = self.model_dump(mode="json", exclude_defaults=True) | {"results_version": self.results_version}
         if self.agent != "policy":
             chosen["player"] = self.agent
+        if (version := get_task(self.task).version) > 1:
+            chosen["task_version"] = version
         canonical = json.dumps(chosen, sort_keys=True, separators=(",", ":"))
         return hashlib.sha256(canonical.encode()).hexdigest()[:16]
 

@@ -33,7 +33,10 @@ class Rows(BaseModel):
     success: list[bool]
     steps: list[Steps]
     success_steps: list[Annotated[int, Field(ge=0, le=SUCCESS_STEPS)]] | None = None
+    end_success: list[bool] | None = None  # earlier versions had neither this nor held
+    held: list[bool] | None = None
     strict_success: list[bool] | None = None
+    metaworld_success: list[bool] | None = None
     jumps: list[NonNegativeInt] | None = None
 
 

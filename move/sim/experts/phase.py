@@ -118,7 +118,7 @@ class GraspExpert:
             return (grip[0], grip[1], height - 0.01)
         level = height + ABOVE
         if aside > 0.06:  # come in from above: no need to go down early
-            level = max(level, min(hand[2], held[2] + 0.3))
+            level = max(level, min(hand[2], held[2] + self.parameters.ceiling))
         return (grip[0], grip[1], level)
 
 

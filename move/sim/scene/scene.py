@@ -49,9 +49,9 @@ class Scene(Readable, gymnasium.Env):
     Actions are four numbers in [-1, 1]: three displacements of the hand's goal (1 = 0.01 m) and the gripper's
     command; where the task turns the gripper a fifth: the change of its goal's yaw (1 = 6 degrees, at most 100 to each
     side). An observation is the keypoint vector (float32, metres, camera frame) or an RGB image (uint8). The reward
-    is 1 on a successful step. `info` holds "success" and "phase" ("pick", from the grasp on "place"), and
-    "strict_success" where the task has such a condition. The episode limit is left to Gymnasium's TimeLimit and to the
-    loops of this package. A scene can be pickled and copied, also within an episode.
+    is 1 on a successful step. `info` holds "success" and "phase" ("pick", from the grasp on "place"), and what else the
+    task records ("strict_success" of Hammer, "metaworld_success" of Box-Close). The episode limit is left to
+    Gymnasium's TimeLimit and to the loops of this package. A scene can be pickled and copied, also within an episode.
 
     Args:
         task: a name in `move.sim.tasks.TASKS`.
@@ -104,7 +104,8 @@ class Scene(Readable, gymnasium.Env):
         mujoco.mj_resetData(self._model, self._data)
         self._data.qpos[:] = self._world.start
         self.steps, self.phase, self.touched, self.held, self.success = 0, "pick", False, False, False
-        self.strict_success, self.strict_steps, self.gripper_yaw = False, 0, 0.0
+        self.recorded_steps, self.gripper_yaw = dict.fromkeys(dict(self.task.recorded), 0), 0.0
+        self.recorded = dict.fromkeys(self.recorded_steps, False)
         self._configuration = configuration
         self._world.active_scene = None  # what stands in the model is the last episode's
         self._load_state()
@@ -165,9 +166,9 @@ class Scene(Readable, gymnasium.Env):
         self.steps += 1
         self._look_up_contacts()
         self.success = self.touched and self.task.success(self)
-        if self.task.strict_success:
-            self.strict_success = self.success and self.task.strict_success(self)
-            self.strict_steps += self.strict_success
+        for name, condition in self.task.recorded:
+            self.recorded[name] = self.touched and condition(self)
+            self.recorded_steps[name] += self.recorded[name]
 
     def _turn_gripper(self, turn: float) -> None:
         self.gripper_yaw = limited(self.gripper_yaw + YAW_STEP * turn, YAW_LIMIT)
@@ -194,10 +195,7 @@ class Scene(Readable, gymnasium.Env):
             self.phase = "place"
 
     def _info(self) -> dict[str, Any]:
-        info = {"success": self.success, "phase": self.phase}
-        if self.task.strict_success:
-            info["strict_success"] = self.strict_success
-        return info
+        return {"success": self.success, "phase": self.phase, **self.recorded}
 
     # moving --------------------------------------------------------------------------------------------------------
 

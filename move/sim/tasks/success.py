@@ -1,6 +1,7 @@
-"""Success conditions: Meta-World's own, evaluated on the scene as it stands, wherever it was moved.
+"""Success conditions: Meta-World's own and the authors', evaluated on the scene as it is, wherever it was moved.
 
-    near             a point close enough to another: Pick-Place, Push, Pick-Place-Wall, Box-Close, Faucet-Open
+    near             a point close enough to another: Pick-Place, Push, Pick-Place-Wall, Faucet-Open
+    closed           a lid on its box: Box-Close
     around           a ring around a peg, under its top: Assembly
     joint_beyond     a joint far enough: Hammer, Window-Open
     higher           a point lifted: Disassembly
@@ -16,12 +17,18 @@ from typing import Protocol
 
 import numpy as np
 
+from move.sim.geometry import wrapped
+
 
 class Reading(Protocol):
     """What a success condition may read of a scene."""
 
     def point(self, name: str) -> np.ndarray:
         """Position of a named point, shape (3,), metres."""
+
+    @property
+    def object_yaw(self) -> float:
+        """Yaw of the object, relative to Meta-World's pose, radians."""
 
     def joint(self, name: str) -> float:
         """Position of a named joint, metres or radians."""
@@ -38,6 +45,24 @@ def near(point: str, target: str, distance: float) -> Success:
 
     def condition(scene: Reading) -> bool:
         return math.dist(scene.point(point), scene.point(target)) <= distance
+
+    return condition
+
+
+def closed(lid: str, box: str, height: float, above: float, aside: float, yaw: float) -> Success:
+    """Success condition: `lid` is on `box`, and as the box is turned (the authors' rule for Box-Close).
+
+    Args:
+        height: of a lid that is on, metres above the table's zero.
+        above: largest distance from that height, metres.
+        aside: largest distance from the box in the plane, metres.
+        yaw: largest angle between lid and box, radians; a lid turned by half a turn is on as well.
+    """
+
+    def condition(scene: Reading) -> bool:
+        (x, y, z), (box_x, box_y, _) = scene.point(lid).tolist(), scene.point(box).tolist()
+        placed = abs(z - height) < above and math.hypot(x - box_x, y - box_y) < aside
+        return placed and abs(wrapped(scene.object_yaw, math.pi)) < yaw
 
     return condition
 

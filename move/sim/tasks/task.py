@@ -54,6 +54,7 @@ class GraspParameters:
     gripper_command: float = 1.0  # while closing and holding
     opening: float = 0.0  # gripper command while approaching
     closing_steps: int = 8
+    ceiling: float = 0.3  # hand no higher than this above the object's point once it comes near, metres
     patience: int = 60  # steps of descending after which it closes wherever it is
     otherwise: tuple[Vector, ...] = ()  # offsets tried in turn where the hand cannot go to the first
 
@@ -116,7 +117,8 @@ class Task:
     placed_point: str = ""  # of the held object; named where there is a freeze distance
     freeze_distance: float = 0.0  # the target stands still while the placed point is nearer in the plane, metres
     jump_clearance: float = 0.0  # a jumping target stays this far in the plane from the object, metres
-    strict_success: Success | None = None  # a harder condition, recorded beside success
+    recorded: tuple[tuple[str, Success], ...] = ()  # other conditions by name, recorded next to success
+    version: int = 1  # raised whenever what decides the task's runs changes; it makes their hashes new
     timesteps: int = 20_000  # Table 5
 
     @property

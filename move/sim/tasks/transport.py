@@ -144,14 +144,14 @@ def upwards(held: str) -> Transport:
 
 
 def onto_box(lid: str) -> Transport:
-    """Transport: `lid` up, over the target and down on it."""
+    """Transport: `lid` off the table, across to the target above the box's walls, and down until it is on."""
 
     def transport(scene: Grasped, state: TransportState) -> Waypoint:
         here, goal = read(scene, lid), read(scene, "target")
         aside = math.dist(here[:2], goal[:2])
-        if here[2] < 0.125 and aside > 0.05:
+        if here[2] < 0.02 or (here[2] < 0.125 and 0.05 < aside < 0.2):
             return Waypoint(here, (here[0], here[1], 0.16))
-        return Waypoint(here, (goal[0], goal[1], 0.14 if aside > 0.02 else 0.10))
+        return Waypoint(here, (goal[0], goal[1], 0.14 if aside > 0.04 else 0.06))
 
     return transport
 
