@@ -88,7 +88,7 @@ def plan(figures: Figures = None, profile: ProfileName = "laptop", parameter: Pa
          as_json: Json = False) -> None:
     """Show what would run, how long it would take and why, without running anything."""
     chosen, names = _asked(profile, figures)
-    changes = parameters(parameter)
+    changes = parameters(parameter, choices.texts(names or choices.notebooks()))
     for name in names:
         choices.refuse_unknown_parameters(name, changes)
     from move.study.plan import plan_rows, plan_title
@@ -141,7 +141,7 @@ def figure(
 ) -> None:
     """Execute notebooks, which run what is missing and write their figures and tables."""
     chosen, names = _asked(profile, figures)
-    changes = parameters(parameter)
+    changes = parameters(parameter, choices.texts(names or choices.notebooks()))
     for name in names:
         choices.refuse_unknown_parameters(name, changes)
     for place in (paths.figures(chosen), paths.BUILD / "notebooks" / profile):
