@@ -127,6 +127,10 @@ def train(
     from move.validation import build
 
     demonstrations, attributes = dataset.load(data, clip_actions)
+    low, high = float(demonstrations.actions.min()), float(demonstrations.actions.max())
+    if low < -1 or high > 1:
+        typer.echo(f"move: actions from {low:.4g} to {high:.4g} are learnt within these limits; --clip-actions clips "
+                   "them to -1..1, as Meta-World does", err=True)
     observation = "rgb" if demonstrations.has_images else "keypoints"
     recipe = chosen.recipe(observation, demonstrations.timesteps).model_dump()
     if gradient_steps is not None:
