@@ -355,7 +355,7 @@ def test_what_the_hints_say_is_accepted():
     assert parameters.check("fig1_sparse", profile, {"timesteps": yaml_text.read("1000", "here")})["timesteps"] == 1000
 
 
-@pytest.mark.parametrize("text", ["2024-10-01", "run #3", "on", "5", "1e3", "0x64", "[a]", "~", "", "a: b", " x ", "öß"])
+@pytest.mark.parametrize("text", ["2024-10-01", "run #3", "on", "5", "1e3", "0x64", "[a]", "~", "", "a: b", " x ", "ö"])
 def test_a_parameter_that_is_text_is_taken_as_it_stands(text):
     known = choices.texts(["table3_real_robot"])
     assert {"data", "sheet", "units_file"} <= known
@@ -367,7 +367,7 @@ def test_a_parameter_that_is_text_is_taken_as_it_stands(text):
 
 @pytest.mark.parametrize(("text", "value"), [
     ("0", 0), ("-7", -7), ("+12", 12), ("1.5", 1.5), (".5", 0.5), ("-1.0e-4", -1e-4), ("5.", 5.0), ("true", True),
-    ("null", None), ("", None), ("on", "on"), ("No", "No"), ("1:40", "1:40"), ("0x1F", "0x1F"), ("12:30:45", "12:30:45"),
+    ("null", None), ("", None), ("on", "on"), ("No", "No"), ("1:40", "1:40"), ("0x1F", "0x1F"), ("1:3:4", "1:3:4"),
     ("2024-10-01", "2024-10-01"), ("=", "="), ("[on, 1]", ["on", 1]), ("{<<: 1}", {"<<": 1}), ("'on'", "on"),
 ])
 def test_scalars_are_those_of_yaml_1_2(text, value):

@@ -44,9 +44,14 @@ def chosen_specs(
 
 
 def _asked(profile: str, figures: list[str] | None) -> tuple[Profile, list[str]]:
-    """The profile and the whole names of the figures; quick, so that a bad name is refused at once."""
+    """The profile and the whole names of the figures; quick, so that a bad name is refused at once.
+
+    Raises:
+        BadInput: an unknown one, or no checkout to find them in.
+    """
     from move.study.profiles import load_profile
 
+    paths.refuse_outside_checkout()
     return load_profile(profile), list(dict.fromkeys(choices.notebook(name) for name in figures or []))
 
 
@@ -191,6 +196,7 @@ def _report_runs(report: Report, text: str, before: int, figures: int, done: flo
 @app.command(epilog=examples("move doctor"))
 def doctor(as_json: Json = False) -> None:
     """Say what is missing on this machine, and the one line that mends it."""
+    paths.refuse_outside_checkout()
     from move.study.doctor import examine
 
     checks = examine()

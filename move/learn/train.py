@@ -28,7 +28,8 @@ from move.machine import keep_freed_memory, one_thread, precision_used
 from move.sim.demonstrations import Demonstrations
 
 CURVE_POINTS = 50
-CHECKPOINT_SECONDS = float(os.environ.get("MOVE_CHECKPOINT_SECONDS", "180"))
+CHECKPOINT_SECONDS = 180.0  # between two checkpoints; the environment variable says otherwise
+VARIABLE = "MOVE_CHECKPOINT_SECONDS"
 OnStep = Callable[[int, int, float], None]
 
 
@@ -220,17 +221,19 @@ def train(
     it holds this run, training goes on from there; if that is finished, it is returned. on_step(steps done, steps in
     all, loss) is called after each step. task: what the demonstrations show, for the checkpoint.
 
-    Raises BadInput if the folder cannot be written or is being trained into, if the observations do not suit the
-    settings, or if training diverges; its UnusableCheckpoint if the folder holds another run or a damaged one.
+    Raises BadInput if MOVE_CHECKPOINT_SECONDS is no time, if the folder cannot be written or is being trained into, if
+    the observations do not suit the settings, or if training diverges; its UnusableCheckpoint if the folder holds
+    another run (other data, settings, seed, task or precision) or a damaged one.
     """
     keep_freed_memory()
     one_thread()
+    seconds = _checkpoint_seconds()
     with _alone_in(checkpoint):
         saved = checkpoints.read(checkpoint, device) if checkpoint else None
         trainer = Trainer(demonstrations, training, seed, device, task)
         if saved:
             trainer.resume(saved)
-        _take_steps(trainer, checkpoint, checkpoint_every, on_step)
+        _take_steps(trainer, checkpoint, checkpoint_every, seconds, on_step)
     return trainer.ema_policy, trainer.report()
 
 
@@ -254,8 +257,18 @@ def _alone_in(folder: Path | None) -> Iterator[None]:
         lock.release()
 
 
-def _take_steps(trainer: Trainer, checkpoint: Path | None, checkpoint_every: int | None, on_step: OnStep | None
-                ) -> None:
+def _checkpoint_seconds() -> float:
+    text = os.environ.get(VARIABLE, str(CHECKPOINT_SECONDS))
+    try:
+        if (seconds := float(text)) >= 0:
+            return seconds
+    except ValueError:
+        pass
+    raise BadInput(f"{VARIABLE}: {text[:60]!r} given; allowed are seconds between two checkpoints, such as 180")
+
+
+def _take_steps(trainer: Trainer, checkpoint: Path | None, checkpoint_every: int | None, checkpoint_seconds: float,
+                on_step: OnStep | None) -> None:
     """Take the steps that are left, and write checkpoints meanwhile."""
     started = time.perf_counter() - trainer.seconds
     saved_at = trainer.seconds
@@ -266,7 +279,7 @@ def _take_steps(trainer: Trainer, checkpoint: Path | None, checkpoint_every: int
         if checkpoint_every:
             due = trainer.step % checkpoint_every == 0
         else:
-            due = trainer.seconds - saved_at > CHECKPOINT_SECONDS
+            due = trainer.seconds - saved_at > checkpoint_seconds
         if checkpoint and (due or trainer.step == steps):
             checkpoints.write(trainer.checkpoint(), Path(checkpoint))
             saved_at = trainer.seconds

@@ -58,13 +58,15 @@ class Cluster:
         return "" if time.monotonic() - self.seen < PATIENCE else f"{self.address} has no workers; waiting for one"
 
     def refuse_unfit_workers(self) -> None:
-        """Try on each worker whether it can store a result, before it computes any.
+        """Try on each worker whether it can store a result, and would compute what is computed here, before it does.
 
         Raises:
             BadInput: one of them cannot.
         """
-        answers = self.client.run(_problem, self.token, on_error="return")
+        answers = self.client.run(_problem, self.token, self.deciding, on_error="return")
         for address, problem in answers.items():
+            if isinstance(problem, (TypeError, AttributeError, ImportError)):
+                problem = f"it has another version of this package ({problem}); {SAME}"
             if problem is not None:
                 raise UnfitWorker(f"cluster: the worker {address}: {problem}")
 

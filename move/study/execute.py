@@ -165,7 +165,7 @@ def how_far(folder: Path) -> tuple[str, float] | None:
         part, done, total = (folder / "progress").read_text().split()
         start, share = PART_SHARE[part]
         return part, start + share * int(done) / int(total)
-    except (OSError, ValueError, KeyError):
+    except (OSError, ValueError, KeyError, ZeroDivisionError):
         return None
 
 
