@@ -124,6 +124,13 @@ def processor() -> str:
         return platform.processor() or platform.machine()
 
 
+def cpu_capability() -> str:
+    """The instructions that torch computes with on this processor, such as AVX512; others round differently."""
+    import torch
+
+    return torch.backends.cpu.get_cpu_capability()
+
+
 def accelerator() -> str:
     """The name of the GPU that training uses, or "none"."""
     import torch

@@ -156,6 +156,7 @@ COMMANDS = [
     (("run", "--workers", "1000000"), "--workers"),
     (("run", "--cluster", ""), "cluster: '' given; allowed is an address"),
     (("run", "--cluster", "nowhere"), "cluster: 'nowhere' given"),
+    (("run", "--results", ""), "results: '' given; allowed is a folder's name"),
     (("run", "--results", "file"), "cannot write file/result.json: Not a directory"),
     (("run", "--results", "/proc/x"), "cannot write"),
     (("run", "--results", LONG), "File name too long"),

@@ -93,7 +93,8 @@ def test_a_source_distribution_of_torch_is_not_fetched_and_its_code_does_not_run
 def test_a_wheel_of_torch_needs_a_hash_of_torchs_own(install, tmp_path, monkeypatch, hashed_as):
     wheel = tmp_path / "wheels/torch-2.13.0+evil-py3-none-any.whl"
     with zipfile.ZipFile(wheel, "w") as archive:
-        archive.writestr("torch-2.13.0+evil.dist-info/METADATA", "Metadata-Version: 2.1\nName: torch\nVersion: 2.13.0+evil\n")
+        archive.writestr("torch-2.13.0+evil.dist-info/METADATA",
+                         "Metadata-Version: 2.1\nName: torch\nVersion: 2.13.0+evil\n")
         archive.writestr("torch-2.13.0+evil.dist-info/WHEEL", "Wheel-Version: 1.0\nTag: py3-none-any\n")
         archive.writestr("torch-2.13.0+evil.dist-info/RECORD", "")
     digest = hashlib.sha256(wheel.read_bytes()).hexdigest()

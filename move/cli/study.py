@@ -63,12 +63,14 @@ def run(
     workers: Annotated[Optional[int], typer.Option(
         min=1, max=1024, help="processes (default: one a core, or one a GPU)")] = None,
     cluster: Annotated[Optional[str], typer.Option(help="address of a Dask scheduler, tcp://host:8786")] = None,
-    results: Annotated[Optional[Path], typer.Option(help="results folder (default: the profile's)")] = None,
+    results: Annotated[Optional[str], typer.Option(help="results folder (default: the profile's)")] = None,
     as_json: Json = False,
 ) -> None:
     """Compute the runs that are missing; what exists is reused, what was interrupted goes on."""
     chosen, names = _asked(profile, figures)
-    folder = results or paths.results(chosen)
+    if results == "":
+        raise BadInput("results: '' given; allowed is a folder's name")
+    folder = Path(results) if results else paths.results(chosen)
     refuse_unwritable(folder / "result.json")
     if cluster is not None and not SCHEDULER.fullmatch(cluster):
         raise BadInput(f"cluster: {cluster[:60]!r} given; allowed is an address such as tcp://host:8786")

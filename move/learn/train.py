@@ -4,7 +4,6 @@ Batch order, crops, noise levels and noise are a pure function of (seed, step). 
 that stopped and went on from its checkpoint therefore ends with the same bits as training straight through.
 """
 
-import hashlib
 import math
 import os
 import time
@@ -79,12 +78,6 @@ def ema_decay_at(training: Training, averaged_steps: int) -> float:
     return min(training.ema_decay, 1 - (1 + averaged_steps) ** -training.ema_power)
 
 
-def fingerprint(demonstrations: Demonstrations) -> str:
-    """Sixteen hex digits of the actions and episode ends, which no two collections share."""
-    digest = hashlib.sha256(demonstrations.actions.tobytes() + demonstrations.episode_ends.tobytes())
-    return digest.hexdigest()[:16]
-
-
 class Batches:
     """The windows of the demonstrations as tensors; a batch is drawn with replacement."""
 
@@ -113,7 +106,7 @@ class Trainer:
 
     def __init__(self, demonstrations: Demonstrations, training: Training, seed: int, device: str, task: str = ""
                  ) -> None:
-        self.training, self.seed, self.device, self.data = training, seed, device, fingerprint(demonstrations)
+        self.training, self.seed, self.device, self.data = training, seed, device, demonstrations.fingerprint
         self.task = task
         self.step, self.ema_steps, self.seconds = 0, 0, 0.0
         self.precision = precision_used(training.precision, device)
@@ -174,7 +167,6 @@ class Trainer:
         """Go back to where a checkpoint of this same run was made."""
         self._check_same_run(saved)
         self.step, self.ema_steps, self.seconds = saved.step, saved.averaged_steps, saved.seconds
-        self.precision = saved.precision if saved.finished else self.precision
         self.ema_policy.load_state_dict(saved.group("averaged"))
         self.losses[:saved.step] = saved.tensors["losses"]
         if not saved.finished:
@@ -183,8 +175,8 @@ class Trainer:
             self.adam.load_state_dict(self.adam.state_dict() | {"state": moments})
 
     def _check_same_run(self, saved: Checkpoint) -> None:
-        here = self.training.model_dump() | {"seed": self.seed, "data": self.data}
-        there = saved.training.model_dump() | {"seed": saved.seed, "data": saved.data}
+        here, there = ({**run.training.model_dump(), "seed": run.seed, "data": run.data, "task": run.task,
+                        "precision used": run.precision} for run in (self, saved))
         differing = [f"{name} {there[name]} there, {here[name]} here" for name in here if here[name] != there[name]]
         if differing:
             raise UnusableCheckpoint(f"the checkpoint belongs to another run: {'; '.join(differing)}")

@@ -1,5 +1,6 @@
 """What collection produces and training consumes: observations and actions of whole episodes, end to end."""
 
+import hashlib
 from dataclasses import dataclass
 
 import numpy as np
@@ -33,6 +34,11 @@ class Demonstrations:
         _check_episode_ends(self.episode_ends, len(self.actions))
 
     @property
+    def fingerprint(self) -> str:
+        """Sixteen hexadecimal digits that no two data sets share; see `fingerprint`."""
+        return fingerprint(self.observations, self.actions, self.episode_ends)
+
+    @property
     def timesteps(self) -> int:
         """Timesteps of all episodes together, which is also the number of windows."""
         return len(self.actions)
@@ -51,6 +57,19 @@ class Demonstrations:
     def has_images(self) -> bool:
         """Whether an observation is an image; keypoints otherwise."""
         return self.observations.ndim == 4
+
+
+def fingerprint(*arrays: np.ndarray) -> str:
+    """The first sixteen hexadecimal digits of the sha256 of arrays: of each its dtype, its shape and its numbers.
+
+    >>> fingerprint(np.zeros((2, 3))) == fingerprint(np.zeros((3, 2))), fingerprint(np.zeros(2)) == fingerprint([0, 0])
+    (False, False)
+    """
+    digest = hashlib.sha256()
+    for array in map(np.asarray, arrays):
+        digest.update(f"{array.dtype.name} {array.shape} ".encode())
+        digest.update(np.ascontiguousarray(array, array.dtype.newbyteorder("<")).data)
+    return digest.hexdigest()[:16]
 
 
 def _check_observations(observations: np.ndarray) -> None:
