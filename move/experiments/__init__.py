@@ -18,7 +18,6 @@ the same budget, recipe, evaluation and seeds.
 
 # ruff: noqa: I001, the order of import is the order in which the experiments are listed and planned
 from move.experiments.preliminary import (
-    HAND_SPREAD,
     few_demonstrations,
     fig1_sparse,
     fig3_dense,
@@ -35,7 +34,7 @@ from move.experiments.noise import known_noise
 from move.experiments.registry import EXPERIMENTS, defaults, experiment, parameters, runs, specs
 
 __all__ = [
-    "EXPERIMENTS", "HAND_SPREAD", "RECIPE_CHANGES", "defaults", "equal_demonstrations", "experiment",
+    "EXPERIMENTS", "RECIPE_CHANGES", "defaults", "equal_demonstrations", "experiment",
     "few_demonstrations", "fig1_sparse", "fig3_dense", "fig4_scaling", "fig5_circle", "fig6_dimensions", "fig7_speed",
     "fig_coverage", "fig_mixture", "fig_perception", "fig_speed_law", "fig_training_length", "generalization",
     "keypoint_control", "known_noise", "parameters", "rollouts", "runs", "specs", "table1_spatial_factors",
