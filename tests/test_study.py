@@ -543,7 +543,7 @@ def test_each_method_has_the_same_budgets_seeds_and_hand_starts(figure):
 def test_static_alone_says_how_long_to_train_where_hands_start_anywhere():
     listed = experiments.runs("fig1_sparse", load_profile("laptop"))
     own = [asked_for for asked_for in listed if asked_for.spec.evaluation.starts == "own"]
-    assert {(one.labels["length"], one.spec.seed) for one in own} == {(n, seed) for n in (1, 2, 3) for seed in (0, 1)}
+    assert {(one.labels["length"], one.spec.seed) for one in own} == {(n, seed) for n in (1,) for seed in (0, 1)}
     assert {(one.spec.method, results.hand_start(one.spec)) for one in own} == {("static", "anywhere")}
 
 
