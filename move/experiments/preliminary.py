@@ -17,9 +17,9 @@ TRACED_BACK = 35  # steps before its grasp from which MOVE's object comes, as in
 HAND_LENGTH = 1.0
 """Gradient steps of figures 1, 3 and 5 where the hand starts anywhere, as a multiple of the recipe's; for both methods.
 
-The rule: the least of 1, 2 and 3 at which static succeeds in at least 95 % of 60 of its own configurations with each of
-two seeds, or 3 if there is none. MOVE has no say in it (`fig1_sparse`, whose label `length` is that multiple). At 1 both
-seeds succeeded in 58 of 60, so nothing longer was tried."""
+The rule: the least of 1, 2 and 3 at which static succeeds in at least 95 % of 60 of its own configurations with each
+of two seeds, or 3 if there is none. MOVE has no say in it (`fig1_sparse`, whose label `length` is that multiple). At 1
+both seeds succeeded in 58 of 60, so nothing longer was tried."""
 
 ANYWHERE: dict[str, Any] = {"factors": "object+hand", "fixed": "authors"}
 HANDS: dict[str, dict[str, Any]] = {

@@ -44,7 +44,7 @@ def _effect(cells: dict[str, np.ndarray], name: str, noise: TrainingNoise) -> di
 
 
 def _compared(one: np.ndarray, other: np.ndarray, elsewhere: bool, noise: TrainingNoise) -> Estimate:
-    """`one` minus `other`, at the first configurations where one was tried on fewer; 0 where the setting has no effect."""
+    """`one` minus `other`, at the first configurations where one was tried on fewer; 0 where they are the same."""
     if np.array_equal(one, other):
         return Estimate(0.0, 0.0, 0.0, len(one), one.size, "none")
     if elsewhere:
