@@ -6,9 +6,10 @@ Importing the package makes its scenes known to Gymnasium as MOVE/<task>-v0: the
 
 import gymnasium
 
-from move.machine import choose_gl
+from move.machine import choose_gl, fill_closed_streams
 from move.sim.tasks import TASKS
 
+fill_closed_streams()
 choose_gl()
 
 for _name in TASKS:

@@ -10,7 +10,7 @@ import json
 import re
 from collections.abc import Iterable
 from difflib import get_close_matches
-from typing import Literal
+from typing import Any, Literal
 
 from move import paths
 from move.errors import BadInput
@@ -75,7 +75,22 @@ def parameters(notebook: str) -> list[str]:
     >>> parameters("table6_collection")
     ['profile', 'attempts']
     """
+    return list(_defaults(notebook))
+
+
+def texts(notebooks: Iterable[str]) -> set[str]:
+    """The parameters of notebooks that are texts, as their parameters cells have them.
+
+    >>> sorted(texts(["rollouts"]))
+    ['observation', 'profile', 'task']
+    """
+    return {name for notebook in notebooks for name, value in _defaults(notebook).items() if isinstance(value, str)}
+
+
+def _defaults(notebook: str) -> dict[str, Any]:
+    """What a notebook's parameters cell gives each name; None for what is no constant."""
     cells = json.loads((paths.NOTEBOOKS / f"{notebook}.ipynb").read_text(encoding="utf-8"))["cells"]
     source = next("".join(cell["source"]) for cell in cells if "parameters" in cell["metadata"].get("tags", []))
-    return [target.id for statement in ast.parse(source).body if isinstance(statement, ast.Assign)
-            for target in statement.targets if isinstance(target, ast.Name)]
+    return {target.id: statement.value.value if isinstance(statement.value, ast.Constant) else None
+            for statement in ast.parse(source).body if isinstance(statement, ast.Assign)
+            for target in statement.targets if isinstance(target, ast.Name)}

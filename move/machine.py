@@ -19,6 +19,9 @@ from functools import cache
 
 THREAD_VARIABLES = ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS", "LP_NUM_THREADS")
 NO_GL = ("disable", "disabled", "off", "false", "0")  # values of MUJOCO_GL that turn images off in MuJoCo
+SCREEN_GL = ("glfw", "glx", "enable", "enabled", "on", "true", "1", "")  # those that need a screen, on Linux
+GL_LIBRARIES = {"egl": "EGL", "osmesa": "OSMesa"}
+REFUSED_GL = "MOVE_REFUSED_GL"  # why images are off that were asked for, to this process and those it starts
 M_TRIM_THRESHOLD, M_MMAP_MAX = -1, -4  # of glibc's malloc.h
 PR_SET_PDEATHSIG = 1  # of Linux's prctl.h
 
@@ -27,10 +30,13 @@ PR_SET_PDEATHSIG = 1  # of Linux's prctl.h
 
 
 def choose_gl() -> None:
-    """Choose a way to render without a screen; an explicit MUJOCO_GL is left alone.
+    """Choose a way to render without a screen; an explicit MUJOCO_GL is left alone, unless it cannot work.
 
-    MuJoCo reads the choice when it is imported, so if it was imported before, it is made to read it again.
+    MuJoCo reads the choice when it is imported, so if it was imported before, it is made to read it again. With one
+    that cannot work the import itself fails, so images are off then, and `gl_problem` says why.
     """
+    if problem := _refused_gl():
+        os.environ |= {REFUSED_GL: problem, "MUJOCO_GL": "disable"}
     if sys.platform == "linux" and "MUJOCO_GL" not in os.environ:
         library = next((name for name in ("EGL", "OSMesa") if ctypes.util.find_library(name)), "disable")
         os.environ["MUJOCO_GL"] = library.lower()
@@ -44,7 +50,25 @@ def gl_problem() -> str | None:
     """One line that says why images cannot be rendered and which package mends it; None when they can."""
     if sys.platform != "linux" or _chosen_gl() not in NO_GL:
         return None
-    return "no GL library found: apt-get install libegl1 (Debian) or use macOS's own; keypoint work goes on without"
+    return os.environ.get(REFUSED_GL) or ("no GL library found: apt-get install libegl1 (Debian) or use macOS's own; "
+                                          "keypoint work goes on without")
+
+
+def _refused_gl() -> str:
+    """Why the GL that the environment asks for cannot be had; empty where it can, or none is asked for."""
+    chosen, platform = _chosen_gl(), os.environ.get("PYOPENGL_PLATFORM", "")
+    if sys.platform != "linux" or chosen in NO_GL:
+        return ""
+    if chosen not in (*GL_LIBRARIES, *SCREEN_GL):
+        return f"MUJOCO_GL: {chosen[:60]!r} given; allowed are egl, osmesa, glfw and disable"
+    if chosen in GL_LIBRARIES and not ctypes.util.find_library(GL_LIBRARIES[chosen]):
+        return f"MUJOCO_GL: {chosen} given, whose library is not installed; allowed is another, or none"
+    if "MUJOCO_GL" in os.environ and chosen in SCREEN_GL and not os.environ.keys() & {"DISPLAY", "WAYLAND_DISPLAY"}:
+        return f"MUJOCO_GL: {chosen!r} given, which needs a screen; allowed without one are egl and osmesa"
+    there = chosen or next((name for name, library in GL_LIBRARIES.items() if ctypes.util.find_library(library)), "")
+    if platform and there in GL_LIBRARIES and platform != there:
+        return f"PYOPENGL_PLATFORM: {platform[:60]!r} given; allowed is {there}, or none"
+    return ""
 
 
 def _chosen_gl() -> str:
@@ -100,6 +124,13 @@ def processor() -> str:
         return platform.processor() or platform.machine()
 
 
+def cpu_capability() -> str:
+    """The instructions that torch computes with on this processor, such as AVX512; others round differently."""
+    import torch
+
+    return torch.backends.cpu.get_cpu_capability()
+
+
 def accelerator() -> str:
     """The name of the GPU that training uses, or "none"."""
     import torch
@@ -112,6 +143,21 @@ def default_workers() -> int:
     import torch
 
     return torch.cuda.device_count() or os.cpu_count() or 1
+
+
+# standard streams ----------------------------------------------------------------------------------------------------
+
+
+def fill_closed_streams() -> None:
+    """Open /dev/null in the place of each standard stream that was closed by whoever started this process.
+
+    A file opened later would get its number, and whatever is written to that; glfw fails to import without them.
+    """
+    for number in range(3):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.set_inheritable(os.open(os.devnull, os.O_RDWR), True)  # the lowest number that is free
 
 
 # processes -----------------------------------------------------------------------------------------------------------

@@ -10,6 +10,8 @@ import av
 import numpy as np
 from av.video.stream import VideoStream
 
+from move.files import written_aside
+
 
 def write_video(path: Path, images: Iterable[np.ndarray], size: tuple[int, int], fps: int, pixel_format: str,
                 options: Mapping[str, str], codec: str = "libx264") -> None:
@@ -22,9 +24,12 @@ def write_video(path: Path, images: Iterable[np.ndarray], size: tuple[int, int],
         size: height, width in pixels.
         options: of the codec, such as its `crf`.
         codec: "libx264rgb" with the pixel format "rgb24" and qp 0 gives back exactly these images, on every machine.
+
+    Raises:
+        BadInput: it cannot be written, as on a full disk; what was there stays.
     """
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with av.open(str(path), "w") as container:
+    container_format = {"mkv": "matroska"}.get(path.suffix[1:], path.suffix[1:])
+    with written_aside(path) as beside, av.open(str(beside), "w", format=container_format) as container:
         settings = {**options, "x264-params": "mbtree=0"}
         stream = cast(VideoStream, container.add_stream(codec, rate=fps, options=settings))
         stream.height, stream.width, stream.pix_fmt = *size, pixel_format

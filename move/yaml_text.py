@@ -1,12 +1,14 @@
 """YAML from somebody's hands: what JSON could hold as well, and nothing that is other than it looks.
 
-Aliases are refused, for a few of them stand for gigabytes; so are tags, keys that stand twice, nesting deeper than
-anybody writes, and texts that were meant as numbers.
+Scalars are YAML 1.2's: 10 is a number, while 010, 0x10, 1:40, on, yes and 2024-10-01 are texts, which YAML 1.1 reads as
+8, 16, 100, true, true and a date. Aliases are refused, for a few of them stand for gigabytes; so are tags, keys that
+stand twice, nesting deeper than anybody writes, and texts that were meant as numbers.
 """
 
 from __future__ import annotations
 
 import json
+import re
 from typing import Any
 
 import yaml
@@ -15,18 +17,30 @@ from move.errors import BadInput
 
 DEEPEST = 20  # levels of lists and mappings
 LONGEST = 1_000_000  # characters
-TAGS = tuple(f"tag:yaml.org,2002:{kind}" for kind in ("null", "bool", "int", "float", "str", "seq", "map"))
+YAML = "tag:yaml.org,2002:"
+TAGS = tuple(YAML + kind for kind in ("null", "bool", "int", "float", "str", "seq", "map"))
+WHOLE = "[-+]?(0|[1-9][0-9]*)"
+SCALARS = {
+    "null": "~|null|Null|NULL|",
+    "bool": "true|True|TRUE|false|False|FALSE",
+    "int": WHOLE,
+    "float": rf"({WHOLE}\.[0-9]*|[-+]?\.[0-9]+)([eE][-+]?[0-9]+)?|[-+]?\.(inf|Inf|INF)|\.(nan|NaN|NAN)",
+}
+"""What a scalar without quotes is, if it is no text; 1e-4 is none, as in YAML 1.1, and refused."""
 
 
 class _Loader(yaml.SafeLoader):
     """Reads the kinds of JSON alone."""
 
     yaml_constructors = {tag: yaml.SafeLoader.yaml_constructors[tag] for tag in (None, *TAGS)}
+    yaml_implicit_resolvers = {None: [(YAML + kind, re.compile(rf"(?:{form})\Z")) for kind, form in SCALARS.items()]}
     depth = 0
 
     def compose_node(self, parent: Any, index: Any) -> Any:
         if self.check_event(yaml.events.AliasEvent):
             raise yaml.composer.ComposerError(problem="an alias; allowed is to write it out", problem_mark=self._mark())
+        if (tag := getattr(self.peek_event(), "tag", None)) not in (None, "!"):
+            raise yaml.composer.ComposerError(problem=f"a tag, {tag}; allowed is none", problem_mark=self._mark())
         self.depth += 1
         if self.depth > DEEPEST:
             raise yaml.composer.ComposerError(problem=f"deeper than {DEEPEST} levels", problem_mark=self._mark())
@@ -38,10 +52,11 @@ class _Loader(yaml.SafeLoader):
         return self.peek_event().start_mark
 
     def construct_mapping(self, node: Any, deep: bool = False) -> dict[Any, Any]:
-        keys = [key.value for key, _ in node.value if isinstance(key, yaml.ScalarNode)]
-        twice = next((key for key in keys if keys.count(key) > 1), None)
-        if twice is not None:
-            raise yaml.constructor.ConstructorError(problem=f"{twice!r} stands twice", problem_mark=node.start_mark)
+        seen: set[str] = set()
+        for key in [key.value for key, _ in node.value if isinstance(key, yaml.ScalarNode)]:
+            if key in seen:
+                raise yaml.constructor.ConstructorError(problem=f"{key!r} stands twice", problem_mark=node.start_mark)
+            seen.add(key)
         return super().construct_mapping(node, deep)
 
 

@@ -1,6 +1,7 @@
 """Every kind of bad input, over all commands: one line on standard error, exit code 2, nothing written."""
 
 import json
+import time
 from pathlib import Path
 
 import pytest
@@ -9,6 +10,7 @@ from hypothesis import strategies as st
 from test_cli import move
 
 from move import choices, experiments, paths, yaml_text
+from move.cli.parameters import parameters as read_parameters
 from move.errors import BadInput
 from move.report import parameters
 from move.study import profiles
@@ -28,7 +30,10 @@ YAML = {
     "a python name": ("!!python/name:os.system", "python/name"),
     "a set": ("!!set {a, b}", "set"),
     "binary": ("!!binary aGVsbG8=", "binary"),
-    "a date": ("2024-01-01", "timestamp"),
+    "a tagged number": ("!!int 0x64", "tag"),
+    "a tagged text": ("!!str 5", "tag"),
+    "a leading zero": ("03500", "write the number as 3500"),
+    "a grouped number": ("1_000", "write the number as 1000"),
     "ordered": ("!!omap [a: 1]", "omap"),
     "an unknown tag": ("!mine 5", "mine"),
     "a list that never ends": ("[1, 2", "not readable"),
@@ -151,13 +156,16 @@ COMMANDS = [
     (("run", "--workers", "1000000"), "--workers"),
     (("run", "--cluster", ""), "cluster: '' given; allowed is an address"),
     (("run", "--cluster", "nowhere"), "cluster: 'nowhere' given"),
+    (("run", "--results", ""), "results: '' given; allowed is a folder's name"),
     (("run", "--results", "file"), "cannot write file/result.json: Not a directory"),
     (("run", "--results", "/proc/x"), "cannot write"),
     (("run", "--results", LONG), "File name too long"),
     (("plan", "--profile", "moon"), "profile: 'moon' given"),
     (("plan", "fig1", "-p", "budget=5"), "fig1_sparse has no parameter budget"),
     (("plan", "fig1", "-p", "timesteps=-5"), "timesteps: -5 given"),
-    (("plan", "fig1", "-p", "seeds=100000000"), "less than or equal to 1000"),
+    (("plan", "fig1", "-p", "seeds=100000000"), "less than or equal to 100"),
+    (("plan", "table2", "-p", "seeds=1000"), "less than or equal to 100"),
+    (("plan", "fig7", "-p", "camera_tasks=[x]"), "camera_tasks: 'x' given; allowed are pick-place"),
     (("plan", "-p", "timesteps=5"), "allowed with the figures that it is for"),
     (("plan", "claims"), "needs no runs"),
     (("verify", "--sample", "0"), "--sample"),
@@ -241,7 +249,21 @@ def test_bad_yaml_in_a_profile(capsys, here, profile_file, name):
     (b"batch_size: 64", b"batch_size: 1000000000", "less than or equal to 100000"),
     (b"learning_rate: 1.0e-3", b"learning_rate: .inf", "learning_rate"),
     (b"learning_rate: 1.0e-3", b"learning_rate: 1e-3", "write the number as 0.001"),
-    (b"seeds: 1,", b"seeds: 100000000,", "less than or equal to 1000"),
+    (b"seeds: 1,", b"seeds: 100000000,", "less than or equal to 100"),
+    (b"seeds: 1,", b"seeds: 010,", "write the number as 10"),
+    (b"seeds: 1,", b"seeds: 0x1,", "seeds: '0x1' given"),
+    (b"seeds: 1,", b"seeds: 1:40,", "seeds: '1:40' given"),
+    (b"seeds: 1,", b"seeds: on,", "seeds: 'on' given"),
+    (b"stamp: SMOKE", b"shipped: yes", "shipped: 'yes' given"),
+    (b"learning_rate: 1.0e-3", b"learning_rate: 1.0e+300", "less than or equal to 1"),
+    (b"image_size: 48", b"image_size: 16", "of images of 16 pixels"),
+    (b"stamp: SMOKE", b"stamp: SMOKE\ngradient_steps: {keypoints: {100: 60, 200: 1}}", "no fewer for more data"),
+    (b"stamp: SMOKE", b"stamp: SMOKE\ngradient_steps: {keypoints: {100: 60, 300: 80, 200: 90}}", "no fewer for more"),
+    (b"stamp: SMOKE", b"stamp: SMOKE\ngradient_steps: {keypoints: {100: 60, 10000000000: 70}}", "less than or equal"),
+    (b"stamp: SMOKE", b"stamp: SMOKE\nshares_results: /etc", "shares_results: '/etc' given"),
+    (b"stamp: SMOKE", b"stamp: SMOKE\nshares_results: ..", "shares_results: '..' given"),
+    (b"stamp: SMOKE", b"stamp: SMOKE\ncollection: {move: {timesteps: 5}}", "'timesteps' given; allowed are image_size"),
+    (b"stamp: SMOKE", b"stamp: SMOKE\ncollection: {adc: {moon: 5}}", "'moon' given; allowed are image_size"),
     (b"timesteps: 300", b"budget: 300", "no parameter budget"),
     (b"observation: rgb", b"observation: smell", "observation: 'smell' given"),
     (b"grid_side: 3", b"grid_side: 3000", "less than or equal to 300"),
@@ -267,6 +289,24 @@ VALUES = [
     ("fig1", "timesteps=.nan", "timesteps: nan given"),
     ("fig1", "timesteps=1000000000000", "less than or equal to 100000000"),
     ("fig1", "timesteps=1e3", "write the number as 1000"),
+    ("fig1", "timesteps=03500", "write the number as 3500"),
+    ("fig1", "timesteps=-0500", "write the number as -500"),
+    ("fig1", "timesteps=1:40", "timesteps: '1:40' given"),
+    ("fig1", "timesteps=0x64", "timesteps: '0x64' given"),
+    ("fig1", "timesteps=0o17", "timesteps: '0o17' given"),
+    ("fig1", "timesteps=0b11", "timesteps: '0b11' given"),
+    ("fig1", "timesteps=2024-10-01", "timesteps: '2024-10-01' given"),
+    ("fig1", "seeds=on", "seeds: 'on' given"),
+    ("fig1", "seeds=101", "less than or equal to 100"),
+    ("fig3", "timesteps=[300,300]", "timesteps: 300 given twice"),
+    ("fig4", "tasks=[push,push]", "tasks: push given twice"),
+    ("fig4", "tasks=[push,moon]", "tasks: 'moon' given"),
+    ("fig7", "speeds=[0.03,0.030]", "speeds: 0.03 given twice"),
+    ("fig7", "camera_tasks=[x]", "camera_tasks: 'x' given"),
+    ("fig_training_length", "lengths=[1,1.0]", "lengths: 1 given twice"),
+    ("demonstrations", "tasks=[push,push]", "tasks: push given twice"),
+    ("table2", f"most_timesteps={10**30}", "less than or equal to 100000000"),
+    ("fig4", f"timesteps=[{','.join(map(str, range(1, 102)))}]", "101 values given; allowed are 100"),
     ("fig1", "observation=smell", "observation: 'smell' given"),
     ("fig1", "seeds=0", "greater than 0"),
     ("fig1", "grid_side=100000", "less than or equal to 300"),
@@ -285,10 +325,9 @@ VALUES = [
     ("demonstrations", "shown=nope", "shown: 'nope' given"),
     ("fig2", "image_size=9999", "image_size: 9999 given"),
     ("fig2", "frames=0", "frames: 0 given"),
-    ("fig2", "rotating_task=5", "rotating_task: 5 given"),
+    ("fig2", "rotating_task=5", "rotating_task: '5' given"),
     ("fig2", "timesteps=-1", "timesteps: -1 given"),
-    ("table3", "data=5", "data: 5 given"),
-    ("table3", "sheet=5", "sheet: 5 given"),
+    ("table3", "data=a\x1bb", "characters that can be printed"),
     ("table3", "revision=main", "revision: 'main' given"),
     ("table3", "size_cap_gb=-1", "size_cap_gb: -1 given"),
     ("table3", "episodes=0", "episodes: 0 given"),
@@ -315,6 +354,32 @@ def test_what_the_hints_say_is_accepted():
         assert yaml_text.read(hint, "here") == float(text.strip("'"))
     assert isinstance(yaml_text.read("1000", "here"), int)
     assert parameters.check("fig1_sparse", profile, {"timesteps": yaml_text.read("1000", "here")})["timesteps"] == 1000
+
+
+@pytest.mark.parametrize("text", ["2024-10-01", "run #3", "on", "5", "1e3", "0x64", "[a]", "~", "", "a: b", " x ", "ö"])
+def test_a_parameter_that_is_text_is_taken_as_it_stands(text):
+    known = choices.texts(["table3_real_robot"])
+    assert {"data", "sheet", "units_file"} <= known
+    for name in ("data", "sheet"):
+        given = read_parameters([f"{name}={text}", "episodes=5"], known)
+        assert parameters.check("table3_real_robot", load_profile("smoke"), given)[name] == text
+        assert given["episodes"] == 5
+
+
+@pytest.mark.parametrize(("text", "value"), [
+    ("0", 0), ("-7", -7), ("+12", 12), ("1.5", 1.5), (".5", 0.5), ("-1.0e-4", -1e-4), ("5.", 5.0), ("true", True),
+    ("null", None), ("", None), ("on", "on"), ("No", "No"), ("1:40", "1:40"), ("0x1F", "0x1F"), ("1:3:4", "1:3:4"),
+    ("2024-10-01", "2024-10-01"), ("=", "="), ("[on, 1]", ["on", 1]), ("{<<: 1}", {"<<": 1}), ("'on'", "on"),
+])
+def test_scalars_are_those_of_yaml_1_2(text, value):
+    read = yaml_text.read(text, "here")
+    assert read == value and type(read) is type(value)
+
+
+def test_many_keys_are_read_in_no_time():
+    started = time.monotonic()
+    assert len(yaml_text.read("".join(f"k{number}: 1\n" for number in range(30_000)), "here")) == 30_000
+    assert time.monotonic() - started < 60
 
 
 def test_every_parameter_of_every_notebook_is_checked():

@@ -258,10 +258,14 @@ def test_training_on_the_authors_published_images(capsys, tmp_path):
     actions = np.random.default_rng(0).uniform(-2, 2, (60, 4)).astype(np.float32)
     published(tmp_path / "p.zarr", actions)
     arguments = ("train", str(tmp_path / "p.zarr"), str(tmp_path / "policy"), "--profile", "smoke", "--json")
-    code, _, err = move(capsys, *arguments, "--gradient-steps", "2")
-    assert code == 2 and "actions from -1.9" in err and "--clip-actions" in err and err.count("\n") == 1
-    code, out, _ = move(capsys, *arguments, "--gradient-steps", "2", "--clip-actions")
+    code, out, err = move(capsys, *arguments, "--gradient-steps", "2")
     assert code == 0 and json.loads(out)["gradient_steps"] == 2
+    assert "actions from -1.9" in err and "--clip-actions" in err and err.count("\n") == 1
+    code, _, err = move(capsys, *arguments, "--gradient-steps", "2", "--clip-actions")
+    assert code == 2 and "another run: data" in err
+    code, out, err = move(capsys, *arguments[:2], str(tmp_path / "clipped"), *arguments[3:], "--gradient-steps", "2",
+                          "--clip-actions")
+    assert (code, err) == (0, "") and json.loads(out)["gradient_steps"] == 2
 
 
 def test_export_by_hand(capsys, tmp_path):

@@ -17,6 +17,7 @@ from move.errors import BadInput
 from move.study import cluster, execute, results, run
 from move.study.kinds import collector_run
 from move.study.profiles import load_profile
+from move.study.provenance import deciding
 
 SMOKE = load_profile("smoke")
 LONG = [collector_run(SMOKE, task="hammer", method="move", attempts=300, seed=seed) for seed in range(4)]
@@ -147,6 +148,6 @@ def test_a_worker_that_does_not_share_the_folder_is_refused_before_any_run(tmp_p
 
 def test_what_a_worker_says_of_a_folder(tmp_path):
     (tmp_path / "token").touch()
-    assert cluster._problem(tmp_path / "token") is None and [*tmp_path.iterdir()] == [tmp_path / "token"]
-    assert "does not share the folder" in cluster._problem(tmp_path / "elsewhere" / "token")
-    assert "cannot write to /proc/self" in cluster._problem(Path("/proc/self/status"))
+    assert cluster._problem(tmp_path / "token", deciding()) is None and [*tmp_path.iterdir()] == [tmp_path / "token"]
+    assert "does not share the folder" in cluster._problem(tmp_path / "elsewhere" / "token", deciding())
+    assert "cannot write to /proc/self" in cluster._problem(Path("/proc/self/status"), deciding())

@@ -110,7 +110,7 @@ def test_nothing_is_replaced_that_was_not_written_here(tmp_path, strange):
     (path / strange).write_text("mine")
     with pytest.raises(BadInput, match="exists and is not, or not only, a data set"):
         save(six_frames(), path, version(2), overwrite=True)
-    assert (path / strange).read_text() == "mine" and json.loads((path / ".zattrs").read_text()) == version(1)
+    assert (path / strange).read_text() == "mine" and json.loads((path / ".zattrs").read_text())["version"] == 1
 
 
 def test_another_programs_data_set_a_file_and_a_link_are_left_alone(tmp_path):
@@ -179,8 +179,7 @@ WRONG = {
     "NaN": {"observations": np.full((6, 5), np.nan, np.float32)},
     "5 observations with 6 actions": {"observations": np.zeros((5, 5), np.float32)},
     r"actions \(6,\)": {"actions": np.zeros(6, np.float32)},
-    "actions from 2.0 to 2.0; allowed: -1 to 1": {"actions": np.full((6, 4), 2, np.float32)},
-    "actions from nan": {"actions": np.full((6, 4), np.nan, np.float32)},
+    "actions hold NaN or infinity; allowed": {"actions": np.full((6, 4), np.nan, np.float32)},
     "episode_ends .*int32": {"episode_ends": np.array([4, 6], np.int32)},
     "ends with 5; .* 6": {"episode_ends": np.array([4, 5])},
     "ends with nothing": {"episode_ends": np.array([], np.int64)},
@@ -224,9 +223,8 @@ def test_without_images_the_state_is_observed(tmp_path):
     assert load(tmp_path / "p.zarr")[0].observations.shape == (50, 9)
 
 
-def test_actions_out_of_range_are_refused_with_the_range_or_clipped_when_asked(tmp_path):
+def test_actions_out_of_range_are_what_they_are_or_clipped_when_asked(tmp_path):
     actions = np.linspace(-9.5, 3.25, 200, dtype=np.float32).reshape(50, 4)
     published(tmp_path / "p.zarr", actions)
-    with pytest.raises(BadInput, match=r"^cannot read [^\n]*zarr: actions from -9.5 to 3.25; allowed: -1 to 1[^\n]*$"):
-        load(tmp_path / "p.zarr")
+    np.testing.assert_array_equal(load(tmp_path / "p.zarr")[0].actions, actions)
     np.testing.assert_array_equal(load(tmp_path / "p.zarr", clip_actions=True)[0].actions, actions.clip(-1, 1))

@@ -14,6 +14,8 @@ from move.learn.denoisers import DENOISERS, ResidualMLP, TimeConvolution, UNet
 from move.learn.diffusion import DiffusionPolicy, MinMaxNormalizer, crop, noise_schedule
 from move.learn.encoders import ENCODERS, ResNet18, SmallCNN, SpatialSoftmax
 from move.learn.settings import Training
+from move.learn.train import train
+from move.sim.collect import Collection, collect
 from move.sim.demonstrations import Demonstrations
 
 
@@ -131,11 +133,70 @@ def test_limits_map_the_data_to_one_and_back():
 
 def test_a_coordinate_that_never_changed_stays_moderate():
     values = np.full((50, 2), 0.3, np.float32)
-    values[0, 1] += 1e-6
+    values[0, 1] += 2e-7  # seven steps of float32
     limits = MinMaxNormalizer(2)
     limits.fit(values)
     assert limits(torch.from_numpy(values)).abs().max() < 1e-5
     assert limits(torch.tensor([[0.8, 0.8]])).abs().max() <= 0.51
+
+
+def collected(task: str, **changes) -> Demonstrations:
+    return collect(Collection(task=task, timesteps=150, **{"method": "move", **changes}), 0)[0]
+
+
+@pytest.mark.parametrize("task, changes", [
+    ("pick-place", {}), ("pick-place", {"protocol": "sparse", "factors": "object"}), ("faucet-open", {}),
+    ("assembly", {"method": "static", "factors": "object"}), ("hammer", {"method": "adc"})])
+def test_the_limits_of_collections_are_to_the_bit_what_they_were_with_a_millimetre_as_constant(task, changes):
+    made = collected(task, **changes)
+    for values in (made.observations, made.actions):
+        low, high = torch.from_numpy(values.min(0)), torch.from_numpy(values.max(0))
+        scale = torch.where(high - low > 1e-3, 2 / (high - low).clamp(min=1e-3), 1.0)
+        limits = MinMaxNormalizer(values.shape[1])
+        limits.fit(values)
+        assert torch.equal(limits.scale, scale) and torch.equal(limits.offset, -scale * (low + high) / 2)
+    bounds = MinMaxNormalizer(made.actions.shape[1])
+    bounds.fit(made.actions)
+    assert [set(bound.tolist()) for bound in bounds.limits()] == [{-1.0}, {1.0}]
+
+
+@pytest.mark.parametrize("size", [4e-4, 1e-5, 1e-12, 1e-30, 0.3, 25.0, 1e6])
+@pytest.mark.parametrize("centre", [0.0, 1.0, -3.0])
+def test_a_motion_of_any_size_is_normalised_and_given_back(size, centre):
+    values = (np.linspace(-1, 1, 50)[:, None] * [size, 2 * size] + centre * size).astype(np.float32)
+    limits = MinMaxNormalizer(2)
+    limits.fit(values)
+    mapped = limits(torch.from_numpy(values))
+    torch.testing.assert_close(mapped.aminmax(dim=0), (-torch.ones(2), torch.ones(2)), rtol=0, atol=1e-5)
+    torch.testing.assert_close(limits.inverse(mapped), torch.from_numpy(values), rtol=1e-4, atol=1e-5 * size)
+    low, high = limits.limits()
+    reached = torch.from_numpy(values)
+    assert (reached.clamp(low, high) - reached).abs().max() <= 1e-5 * size
+    assert low.max() <= -1 and high.min() >= 1
+
+
+@pytest.mark.parametrize("low, high, expected", [
+    (0.0, 2.0, (-1, 2)), (1.0, 1.0, (-1, 1)), (0.5, 0.5, (-1, 1)), (5.0, 5.0, (-1, 5)), (-1.0, 1.0, (-1, 1)),
+    (-2.0, 0.0, (-2, 1)), (-0.5, 0.25, (-1, 1)), (-7.0, 9.0, (-7, 9)), (0.0, 0.0, (-1, 1))])
+def test_what_a_policy_does_stays_within_one_or_the_demonstrations(low, high, expected):
+    limits = MinMaxNormalizer(1)
+    limits.fit(np.array([[low], [high]], np.float32))
+    assert [bound.item() for bound in limits.limits()] == pytest.approx(expected, abs=1e-5)
+
+
+@pytest.mark.parametrize("size", [4e-4, 30.0])
+def test_small_and_large_motions_are_learnt_as_well_as_those_of_one(size):
+    """Actions of metres a step at 50 Hz, and of degrees; the error is a share of their range."""
+    rng = np.random.default_rng(0)
+    seen = rng.uniform(-1, 1, (400, 2)).astype(np.float32)
+    actions = (size * seen).astype(np.float32)
+    made = Demonstrations(seen, actions, np.array([200, 400]))
+    settings = recipes.keypoints(gradient_steps=250, warmup_steps=10, batch_size=64, mlp_width=64, mlp_depth=1,
+                                 observation_horizon=1, action_horizon=1, precision="float32")
+    trained, _ = train(made, settings, 0)
+    tried = rng.uniform(-0.9, 0.9, (64, 1, 2)).astype(np.float32)
+    error = np.abs(trained.act(tried, generator())[:, 0] - size * tried[:, 0]).mean() / size
+    assert error < 0.2
 
 
 def test_spatial_softmax_finds_a_bright_spot():

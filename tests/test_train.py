@@ -235,7 +235,7 @@ def test_a_missing_checkpoint_is_named(tmp_path):
 
 
 def change_tensors(folder, change, digest="kept"):
-    """Edit the tensors by `change`; the digest is kept, made to fit, or taken away as in earlier versions."""
+    """Edit the tensors by `change`; the digest is kept, made to fit, or taken away."""
     path = next(folder.glob("tensors-*"))
     tensors = load_file(path)
     change(tensors)
@@ -274,7 +274,7 @@ def larger(**changes: int) -> dict:
     (lambda folder: (folder / "run.json").write_text("null"), "run.json: .*input should be an object"),
     (lambda folder: (folder / "run.json").write_text("5"), "run.json: .*input should be an object"),
     (lambda folder: (folder / "run.json").write_text("[" * 100_000), "run.json: .*invalid json"),
-    (lambda folder: change_record(folder, format=99), "format: 99 given; input should be 1"),
+    (lambda folder: change_record(folder, format=99), "format: 99 given; input should be 2"),
     (lambda folder: change_record(folder, unknown=1), "unknown: 1 given; extra inputs"),
     (lambda folder: change_record(folder, training={"encoder": "keypoints"}), "training.denoiser: field required"),
     (lambda folder: change_record(folder, seed=4), "digest"),
@@ -293,7 +293,7 @@ def larger(**changes: int) -> dict:
     (lambda folder: change_record(folder, "fitting", training=settings(mlp_depth=200).model_dump()), "more blocks"),
     (lambda folder: change_tensors(folder, lambda tensors: tensors.pop("losses"), "fitting"), "losses: shape None"),
     (lambda folder: change_tensors(folder, lambda tensors: tensors.update(NAN), "fitting"), "numbers are finite"),
-    (lambda folder: change_tensors(folder, lambda tensors: tensors.update(NAN), "none"), "numbers are finite"),
+    (lambda folder: change_record(folder, "none"), "digest: field required"),
     (flip_a_bit, "its content does not fit its digest"),
 ])
 def test_a_damaged_checkpoint_is_refused_in_one_line(tmp_path, damage, reason):
@@ -303,17 +303,10 @@ def test_a_damaged_checkpoint_is_refused_in_one_line(tmp_path, damage, reason):
         load_policy(tmp_path)
 
 
-def test_a_checkpoint_without_a_digest_is_read(tmp_path):
-    """As earlier versions wrote them."""
-    policy, _ = train(keypoints(), settings(), 3, tmp_path)
-    change_record(tmp_path, "none")
-    assert same(load_policy(tmp_path), policy)
-
-
 def test_an_unfinished_checkpoint_without_adams_moments_is_refused(tmp_path):
     with pytest.raises(KeyboardInterrupt):
         train(keypoints(), settings(), 3, tmp_path, checkpoint_every=2, on_step=interrupt_after(5))
-    change_tensors(tmp_path, lambda tensors: tensors.pop("adam/0/exp_avg"), "none")
+    change_tensors(tmp_path, lambda tensors: tensors.pop("adam/0/exp_avg"), "fitting")
     with pytest.raises(UnusableCheckpoint, match="adam/0/exp_avg: shape None given"):
         read(tmp_path)
 

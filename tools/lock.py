@@ -32,7 +32,8 @@ def resolve() -> list[str]:
 def local_torch_hash(pin: str) -> str:
     """Hash of the torch wheel that pip would take on this machine (the CPU build where one is configured)."""
     with tempfile.TemporaryDirectory() as folder:
-        subprocess.run([sys.executable, "-m", "pip", "download", "-q", "--no-deps", "-d", folder, pin], check=True)
+        subprocess.run([sys.executable, "-m", "pip", "download", "-q", "--no-deps", "--only-binary", ":all:", "-d",
+                        folder, pin], check=True)
         wheel = next(Path(folder).iterdir())
         return "sha256:" + hashlib.sha256(wheel.read_bytes()).hexdigest()
 

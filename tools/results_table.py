@@ -10,6 +10,7 @@ import pandas as pd
 
 from move import paper, paths
 from move.claims.rule import VERDICTS
+from move.files import written_aside
 from move.report.differences import verdict
 from move.report.efficiency import spoken_efficiency
 from move.study.profiles import load_profile
@@ -97,4 +98,5 @@ def _tasks(other: str) -> str:
 
 
 if __name__ == "__main__":
-    README.write_text(with_results(README.read_text()))
+    with written_aside(README) as beside:
+        beside.write_text(with_results(README.read_text()))

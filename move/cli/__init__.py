@@ -1,9 +1,9 @@
-"""The command line: move collect | export | train | evaluate | run | plan | verify | figure | doctor.
+"""The command line: move collect | export | train | evaluate | compare | run | plan | verify | figure | doctor.
 
 Bad input ends with one line on standard error and exit code 2; a run that failed ends with exit code 1. What is slow to
 import is imported by the command that needs it, once names are checked.
 
-by_hand.py      collect, export, train, evaluate
+by_hand.py      collect, export, train, evaluate, compare
 study.py        run, plan, verify, figure, doctor
 parameters.py   -p name=value
 options.py      the program, and options that several commands have
@@ -12,12 +12,14 @@ output.py       tables, JSON, bars, paths
 
 from __future__ import annotations
 
+import io
 import os
 import sys
 import warnings
 
 import typer
 
+from move import paths
 from move.cli import by_hand, study
 from move.cli.options import app
 from move.errors import BadInput
@@ -29,15 +31,25 @@ INTERRUPTED = 130  # exit code after Ctrl-C
 
 def main() -> None:
     """Run the command line; turn every kind of bad input into one line and exit code 2."""
-    for name in ("stdout", "stderr"):
-        if getattr(sys, name) is None:  # closed by whoever called
-            setattr(sys, name, open(os.devnull, "w"))
+    _open_standard_streams()
     if not sys.warnoptions:
         warnings.filterwarnings("ignore", category=UserWarning, module="gymnasium|metaworld")
+    if paths.VARIABLE in os.environ:
+        typer.echo(f"move: {paths.VARIABLE}: profiles, results and figures are those in {paths.ROOT}", err=True)
     code = _outcome()
     if code == INTERRUPTED:  # which is also what typer makes of Ctrl-C
         typer.echo("move: interrupted; the same command goes on from here", err=True)
     sys.exit(code)
+
+
+def _open_standard_streams() -> None:
+    """Let what is written to a stream that was closed go nowhere, and what its encoding lacks be written as escapes."""
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(os.devnull, mode))
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
 
 
 def _outcome() -> int:

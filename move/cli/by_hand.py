@@ -1,4 +1,4 @@
-"""By hand: collect, export, train, evaluate."""
+"""By hand: collect, export, train, evaluate, compare."""
 
 from __future__ import annotations
 
@@ -127,6 +127,10 @@ def train(
     from move.validation import build
 
     demonstrations, attributes = dataset.load(data, clip_actions)
+    low, high = float(demonstrations.actions.min()), float(demonstrations.actions.max())
+    if low < -1 or high > 1:
+        typer.echo(f"move: actions from {low:.4g} to {high:.4g} are learnt within these limits; --clip-actions clips "
+                   "them to -1..1, as Meta-World does", err=True)
     observation = "rgb" if demonstrations.has_images else "keypoints"
     recipe = chosen.recipe(observation, demonstrations.timesteps).model_dump()
     if gradient_steps is not None:
@@ -215,3 +219,22 @@ def evaluate(
     content = {"agent": name, "task": task, "episodes": len(rows), "success_rate": rate, "low": low,
                "high": high, "mean_steps": float(np.mean([row["steps"] for row in rows]))}
     show(content | ({"rows": rows} if as_json else {}), as_json, "Evaluation (95 % Wilson interval)")
+
+
+@app.command(epilog=examples("move evaluate build/policy --json > A.json", "move compare A.json B.json",
+                             "move compare 0048257ae1072e57 004abe8e44c69509"))
+def compare(
+    first: Annotated[str, typer.Argument(help="what `move evaluate --json` printed, or the hash of a stored run")],
+    second: Annotated[str, typer.Argument(help="another one, at the same configurations")],
+    profile: ProfileName = "laptop",
+    as_json: Json = False,
+) -> None:
+    """Compare two evaluations at the same configurations: the paired difference, its 95 % interval and test."""
+    from move import paths
+    from move.study import compare as comparing
+    from move.study.profiles import load_profile
+
+    chosen = load_profile(profile)
+    folders = [paths.results(chosen), paths.own_results(chosen)]
+    found = comparing.compare(*(comparing.read_evaluation(given, folders) for given in (first, second)))
+    show(found.content(), True, "") if as_json else typer.echo(str(found))

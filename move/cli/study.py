@@ -44,9 +44,14 @@ def chosen_specs(
 
 
 def _asked(profile: str, figures: list[str] | None) -> tuple[Profile, list[str]]:
-    """The profile and the whole names of the figures; quick, so that a bad name is refused at once."""
+    """The profile and the whole names of the figures; quick, so that a bad name is refused at once.
+
+    Raises:
+        BadInput: an unknown one, or no checkout to find them in.
+    """
     from move.study.profiles import load_profile
 
+    paths.refuse_outside_checkout()
     return load_profile(profile), list(dict.fromkeys(choices.notebook(name) for name in figures or []))
 
 
@@ -58,12 +63,14 @@ def run(
     workers: Annotated[Optional[int], typer.Option(
         min=1, max=1024, help="processes (default: one a core, or one a GPU)")] = None,
     cluster: Annotated[Optional[str], typer.Option(help="address of a Dask scheduler, tcp://host:8786")] = None,
-    results: Annotated[Optional[Path], typer.Option(help="results folder (default: the profile's)")] = None,
+    results: Annotated[Optional[str], typer.Option(help="results folder (default: the profile's)")] = None,
     as_json: Json = False,
 ) -> None:
     """Compute the runs that are missing; what exists is reused, what was interrupted goes on."""
     chosen, names = _asked(profile, figures)
-    folder = results or paths.results(chosen)
+    if results == "":
+        raise BadInput("results: '' given; allowed is a folder's name")
+    folder = Path(results) if results else paths.results(chosen)
     refuse_unwritable(folder / "result.json")
     if cluster is not None and not SCHEDULER.fullmatch(cluster):
         raise BadInput(f"cluster: {cluster[:60]!r} given; allowed is an address such as tcp://host:8786")
@@ -88,7 +95,7 @@ def plan(figures: Figures = None, profile: ProfileName = "laptop", parameter: Pa
          as_json: Json = False) -> None:
     """Show what would run, how long it would take and why, without running anything."""
     chosen, names = _asked(profile, figures)
-    changes = parameters(parameter)
+    changes = parameters(parameter, choices.texts(names or choices.notebooks()))
     for name in names:
         choices.refuse_unknown_parameters(name, changes)
     from move.study.plan import plan_rows, plan_title
@@ -141,7 +148,7 @@ def figure(
 ) -> None:
     """Execute notebooks, which run what is missing and write their figures and tables."""
     chosen, names = _asked(profile, figures)
-    changes = parameters(parameter)
+    changes = parameters(parameter, choices.texts(names or choices.notebooks()))
     for name in names:
         choices.refuse_unknown_parameters(name, changes)
     for place in (paths.figures(chosen), paths.BUILD / "notebooks" / profile):
@@ -191,6 +198,7 @@ def _report_runs(report: Report, text: str, before: int, figures: int, done: flo
 @app.command(epilog=examples("move doctor"))
 def doctor(as_json: Json = False) -> None:
     """Say what is missing on this machine, and the one line that mends it."""
+    paths.refuse_outside_checkout()
     from move.study.doctor import examine
 
     checks = examine()

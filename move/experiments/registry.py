@@ -10,20 +10,22 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, ValidationError, validate_call
 
 from move.errors import BadInput
+from move.sim.tasks import get_task
 from move.study.labels import LabelledRun
 from move.study.profiles import Profile
 from move.study.spec import RunSpec
 from move.validation import first_problem
 
-Count = Annotated[int, Field(gt=0, strict=True)]  # of what has its largest number elsewhere: timesteps, episodes
+Count = Annotated[int, Field(gt=0, le=10**8, strict=True)]  # of timesteps, episodes
 Counts = Annotated[tuple[Count, ...], Field(min_length=1)]
-Repeats = Annotated[int, Field(gt=0, le=1000, strict=True)]
+Repeats = Annotated[int, Field(gt=0, le=100, strict=True)]
 Multiple = Annotated[float, Field(gt=0, le=1000, allow_inf_nan=False)]
-Seeds = Annotated[int, Field(ge=0, le=1000, strict=True)]
+Seeds = Annotated[int, Field(ge=0, le=100, strict=True)]
 Observation = Literal["rgb", "keypoints"]
 Experiment = Callable[..., list[LabelledRun]]
 
 EXPERIMENTS: dict[str, Experiment] = {}
+LONGEST = 100  # values of one parameter
 
 
 def experiment(function: Experiment) -> Experiment:
@@ -35,6 +37,11 @@ def experiment(function: Experiment) -> Experiment:
 
     @functools.wraps(function)
     def call(*arguments: Any, **keywords: Any) -> list[LabelledRun]:
+        for name, value in keywords.items():
+            try:
+                check_values(name, value)
+            except BadInput as problem:
+                raise BadInput(f"{function.__name__}: {problem}") from problem
         try:
             return validated(*arguments, **keywords)
         except ValidationError as error:
@@ -42,6 +49,27 @@ def experiment(function: Experiment) -> Experiment:
 
     EXPERIMENTS[function.__name__] = call
     return call
+
+
+def check_values(name: str, value: Any) -> None:
+    """Refuse what a parameter's type does not tell: a value of a list twice, too many of them, an unknown task.
+
+    Raises:
+        BadInput: one of these.
+    """
+    values = value if isinstance(value, (list, tuple)) else [value]
+    if len(values) > LONGEST:
+        raise BadInput(f"{name}: {len(values)} values given; allowed are {LONGEST}")
+    kinds = [each if isinstance(each, (int, float, str)) else repr(each) for each in values]
+    if len(set(kinds)) < len(kinds):
+        twice = next(each for each in kinds if kinds.count(each) > 1)
+        raise BadInput(f"{name}: {str(twice)[:60]} given twice; allowed is once")
+    if name == "task" or name.endswith("tasks"):
+        for task in (each for each in values if isinstance(each, str)):
+            try:
+                get_task(task)
+            except BadInput as problem:
+                raise BadInput(f"{name}: {str(problem).removeprefix('task: ')}") from problem
 
 
 def defaults(name: str) -> dict[str, Any]:

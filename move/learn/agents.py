@@ -45,7 +45,7 @@ class Agent(Protocol):
             observations: (len(running), observation_horizon, ...), the newest last; None where none are needed.
 
         Returns:
-            (len(running), action_steps, action_size) float32 in [-1, 1].
+            (len(running), action_steps, action_size) float32; the scene clips them to [-1, 1].
         """
 
 

@@ -5,7 +5,6 @@
 
 A new tensor file is written first, then run.json is replaced in one step, then the old tensor file goes. Whenever
 the writing stops, run.json names a complete tensor file. Whoever trains into the folder holds the file `lock`.
-Checkpoints of earlier versions have neither digest nor task.
 """
 
 import hashlib
@@ -26,7 +25,7 @@ from move.learn.diffusion import DiffusionPolicy
 from move.learn.settings import Training
 from move.validation import reason_of
 
-FORMAT = 1
+FORMAT = 2
 
 
 class UnusableCheckpoint(BadInput):
@@ -38,7 +37,7 @@ class Checkpoint:
     """Training after `step` gradient steps.
 
     tensors: by name "averaged/...", and while unfinished "network/...", "adam/...", "losses" (one a step so far).
-    data: fingerprint of the demonstrations, so that other data are noticed.
+    data: fingerprint of the demonstrations, so that other data are noticed. precision: the one really used.
     task: what it learnt, "" where that is unknown.
     averaged_steps: how often the averaged weights have been moved, which decides their next decay.
     """
@@ -71,7 +70,7 @@ class _Record(BaseModel):
 
     model_config = ConfigDict(strict=True, extra="forbid", allow_inf_nan=False, hide_input_in_errors=True)
 
-    format: Literal[1]  # FORMAT
+    format: Literal[2]  # FORMAT
     training: Training
     seed: NonNegativeInt
     data: str
@@ -81,9 +80,9 @@ class _Record(BaseModel):
     averaged_steps: NonNegativeInt
     seconds: NonNegativeFloat
     precision: str
-    task: str = ""
+    task: str
     tensors: Annotated[str, Field(pattern=r"^tensors-\d+\.safetensors$")]
-    digest: str | None = None
+    digest: str
 
 
 def write(checkpoint: Checkpoint, folder: Path) -> None:
@@ -123,7 +122,7 @@ def read(folder: Path, device: str = "cpu") -> Checkpoint | None:
     try:
         text = (folder / "run.json").read_text()
         record = _Record.model_validate_json(text)
-        if record.digest is not None and record.digest != _digest(json.loads(text), folder):
+        if record.digest != _digest(json.loads(text), folder):
             raise ValueError("its content does not fit its digest")
         tensors = load_file(folder / record.tensors, device=device)
         fields = {name: value for name, value in record if name not in ("format", "digest")}

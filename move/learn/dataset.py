@@ -12,6 +12,7 @@ With an observation horizon of 2, a prediction horizon of 4 and an action horizo
 What would reach over the edge of an episode repeats its first or its last timestep.
 """
 
+import hashlib
 import json
 import math
 import re
@@ -24,13 +25,13 @@ import zarr
 
 from move.errors import BadInput
 from move.files import put_away_remains, refuse_unwritable, written_aside
-from move.sim.demonstrations import Demonstrations
+from move.sim.demonstrations import Demonstrations, fingerprint
 from move.untrusted import within
 from move.untrusted_zarr import PlainGroup, judge
 
 CHUNK_TIMESTEPS = 256
 OBSERVED = ("data/img", "data/keypoints", "data/state")  # the first one that is there
-MARK = "collection"  # an attribute of every data set that is made here
+MARK, DIGEST = "collection", "collection_digest"  # attributes of every data set that is made here
 WRITTEN = re.compile(r"\.z(group|attrs)|(data|meta)/(\.z(group|attrs)|\w+/(\.z(array|attrs)|\d+(\.\d+)*))")  # by `save`
 
 
@@ -60,7 +61,7 @@ def window_indices(
 def save(demonstrations: Demonstrations, path: Path, attributes: dict[str, Any], overwrite: bool = False) -> None:
     """Write a zarr group in diffusion_policy's replay-buffer layout, or nothing at all.
 
-        data/img or data/keypoints    data/action    meta/episode_ends    attributes (JSON)
+        data/img or data/keypoints    data/action    meta/episode_ends    attributes (JSON), with a digest of it all
 
     The group is zarr format 2, which diffusion_policy itself can read. An older one at `path` stays until the new one
     is whole. Raises BadInput if the attributes are not JSON, and whatever `check_place` refuses.
@@ -111,10 +112,25 @@ def _write(demonstrations: Demonstrations, path: Path, attributes: dict[str, Any
         "data/action": demonstrations.actions,
         "meta/episode_ends": demonstrations.episode_ends,
     }
-    group = zarr.create_group(path, zarr_format=2, attributes=attributes)
+    sealed = {**attributes, DIGEST: _digest(list(arrays.values()), attributes)}
+    group = zarr.create_group(path, zarr_format=2, attributes=sealed)
     for name, array in arrays.items():
         chunks = (min(CHUNK_TIMESTEPS, len(array)), *array.shape[1:])
         group.create_array(name, data=array, chunks=chunks, config={"write_empty_chunks": True})
+
+
+def _digest(arrays: Sequence[np.ndarray], attributes: dict[str, Any]) -> str:
+    """Of observations, actions and episode ends as they are stored, and of the attributes but for the digest."""
+    rest = json.loads(json.dumps({name: value for name, value in attributes.items() if name != DIGEST}))
+    return hashlib.sha256(f"{fingerprint(*arrays)} {json.dumps(rest, sort_keys=True)}".encode()).hexdigest()
+
+
+def _refuse_changed(arrays: Sequence[np.ndarray], attributes: dict[str, Any]) -> None:
+    """Refuse a data set of `move collect` that is not as it was written."""
+    if DIGEST not in attributes:
+        raise BadInput("it has no digest, which `move collect` writes; collect it again")
+    if attributes[DIGEST] != _digest(arrays, attributes):
+        raise BadInput("its content does not fit its digest: damaged, or changed after `move collect`")
 
 
 def load(path: Path, clip_actions: bool = False) -> tuple[Demonstrations, dict[str, Any]]:
@@ -127,11 +143,12 @@ def load(path: Path, clip_actions: bool = False) -> tuple[Demonstrations, dict[s
     Args:
         path: folder of the zarr group.
         clip_actions: clip actions to -1..1, which is what Meta-World's scene does with larger ones; without it they
-            are refused, because in another scene they would mean something else.
+            are what they are, and a policy learns them within their own limits.
 
     Raises:
-        BadInput: there is no such group, a part of it is missing or damaged, something in it is no plain array (see
-            `move.untrusted_zarr`) or beyond the limits of `move.untrusted`, or actions outside -1..1.
+        BadInput: there is no such group, a part of it is missing or damaged, one of `move collect` does not fit its
+            digest, something in it is no plain array (see
+            `move.untrusted_zarr`) or beyond the limits of `move.untrusted`, or actions that are not finite.
     """
     path = Path(path)
     if not path.exists():
@@ -141,14 +158,16 @@ def load(path: Path, clip_actions: bool = False) -> tuple[Demonstrations, dict[s
         observed = next((name for name in OBSERVED if name in judged.arrays), OBSERVED[-1])
         _refuse_too_much(judged, (observed, "data/action", "meta/episode_ends"))
         with judged.opened() as group:
-            observations = _observations(_read(group, judged, observed))
-            actions = _actions(_read(group, judged, "data/action"), clip_actions)
-            ends = _read(group, judged, "meta/episode_ends")
+            arrays = [_read(group, judged, name) for name in (observed, "data/action", "meta/episode_ends")]
             attributes = dict(group.attrs)
+        if MARK in attributes or DIGEST in attributes:
+            _refuse_changed(arrays, attributes)
+        observations, actions, ends = _observations(arrays[0]), _actions(arrays[1], clip_actions), arrays[2]
         within("episodes", len(ends), f"{path}: meta/episode_ends")
         if ends.dtype.kind in "iu":
             ends = ends.astype(np.int64, copy=False)
-        return Demonstrations(observations, actions, ends), attributes
+        return Demonstrations(observations, actions, ends), {
+            name: value for name, value in attributes.items() if name != DIGEST}
     except BadInput as problem:
         raise BadInput(f"cannot read demonstrations from {path}: {problem}") from problem
     except Exception as error:  # zarr raises dozens of types; all mean "this store is not what it should be"
@@ -180,7 +199,7 @@ def task_of(attributes: dict[str, Any]) -> str:
 
 
 def _actions(actions: np.ndarray, clip: bool) -> np.ndarray:
-    """Actions as float32 within -1..1."""
+    """Actions as float32, within -1..1 if clipped."""
     if actions.dtype.kind == "b":
         raise BadInput("data/action holds true and false; allowed: numbers")
     if 0 in actions.shape[1:]:
@@ -188,13 +207,8 @@ def _actions(actions: np.ndarray, clip: bool) -> np.ndarray:
     with np.errstate(over="ignore"):  # what float32 cannot hold is infinite, and refused
         actions = actions.astype(np.float32, copy=False)
     if not np.isfinite(actions).all():
-        raise BadInput("actions hold NaN or infinity; allowed: -1 to 1, and with --clip-actions any finite number")
-    if clip:
-        return np.clip(actions, -1, 1)
-    if actions.size and np.abs(actions).max() > 1:
-        raise BadInput(f"actions from {actions.min():.4g} to {actions.max():.4g}; allowed: -1 to 1 (of a Meta-World "
-                       "scene, which clips them itself, read them with --clip-actions)")
-    return actions
+        raise BadInput("actions hold NaN or infinity; allowed: any finite number")
+    return np.clip(actions, -1, 1) if clip else actions
 
 
 def _read(group: zarr.Group, judged: PlainGroup, name: str) -> np.ndarray:

@@ -31,7 +31,8 @@ if TYPE_CHECKING:
     from diffusers.schedulers.scheduling_ddim import DDIMScheduler, DDIMSchedulerOutput
 
 PREDICTION_TYPE = {"sample": "sample", "noise": "epsilon"}
-CONSTANT_BELOW = 1e-3  # metres, or units of action: less than that in all the data is no movement
+RESOLUTION = 1e-6  # of a coordinate's size, eight steps of float32: what differs by less in all the data is constant
+SMALLEST = 1e-36  # in any unit: below it float32 holds no scale
 
 
 def noise_schedule(training: Training) -> DDIMScheduler:
@@ -51,7 +52,8 @@ def noise_schedule(training: Training) -> DDIMScheduler:
 class MinMaxNormalizer(nn.Module):
     """Maps each coordinate from its limits in the training data to [-1, 1], and back with `inverse`.
 
-    A coordinate that never changed is centred and keeps its unit, so that a new value stays a moderate number.
+    A coordinate that never changed is centred and keeps its unit, so that a new value stays a moderate number. However
+    small a motion is in its unit, it is one.
     """
 
     scale: Tensor
@@ -66,7 +68,9 @@ class MinMaxNormalizer(nn.Module):
         """Take the limits from values (timesteps, size) float32."""
         low, high = torch.from_numpy(values.min(0)), torch.from_numpy(values.max(0))
         extent = high - low
-        self.scale.copy_(torch.where(extent > CONSTANT_BELOW, 2 / extent.clamp(min=CONSTANT_BELOW), 1.0))
+        moves = extent > (RESOLUTION * torch.maximum(low.abs(), high.abs())).clamp(min=SMALLEST)
+        scale = torch.where((extent == 2) & (low != -high), 1 - RESOLUTION, 2 / extent)  # 1 is for what is constant
+        self.scale.copy_(torch.where(moves, scale, 1.0))
         self.offset.copy_(-self.scale * (low + high) / 2)
 
     def forward(self, values: Tensor) -> Tensor:
@@ -76,6 +80,14 @@ class MinMaxNormalizer(nn.Module):
     def inverse(self, values: Tensor) -> Tensor:
         """From [-1, 1] back to the data's own units: (..., size) -> (..., size) float32."""
         return (values - self.offset) / self.scale
+
+
+    def limits(self) -> tuple[Tensor, Tensor]:
+        """The lowest and the highest value of each coordinate, (size,) each; -1 and 1 where they are within these."""
+        centre, unit = self.inverse(torch.zeros_like(self.scale)), self.scale.new_tensor([[-1.0], [1.0]])
+        ends = torch.where(self.scale == 1, centre, self.inverse(unit))
+        low, high = torch.where(ends.abs() > 1 + RESOLUTION, ends, unit)
+        return low.clamp(max=-1), high.clamp(min=1)
 
 
 class Pixels(nn.Module):
@@ -158,7 +170,10 @@ class DiffusionPolicy(nn.Module):
     def act(
         self, observations: np.ndarray, generator: torch.Generator | None = None, noise: Tensor | None = None
     ) -> np.ndarray:
-        """The actions to execute next, (B, action_horizon, action_size) float32 in [-1, 1], for B episodes at once.
+        """The actions to execute next, (B, action_horizon, action_size) float32, for B episodes at once.
+
+        They are in [-1, 1], or within the limits of the demonstrations where those go beyond.
+
 
         observations (B, To, ...) as in `loss`. The noise (B, Tp, action_size) to start from is drawn from the CPU
         generator, or given: then an episode's actions do not depend on which others are in the batch.
@@ -171,7 +186,7 @@ class DiffusionPolicy(nn.Module):
             noise = torch.randn(self._predicted_shape(len(observed)), generator=generator)
         actions = self._denoise(noise.to(observed.device), self._condition(observed))
         executed = self.action_normalizer.inverse(actions[:, self.training_settings.executed])
-        return executed.clamp(-1, 1).cpu().numpy()
+        return executed.clamp(*self.action_normalizer.limits()).cpu().numpy()
 
     def _condition(self, observations: Tensor) -> Tensor:
         """Features of all observations of a window side by side, (B, To * features)."""

@@ -45,7 +45,7 @@ class Training(BaseModel):
     gradient_steps: PositiveInt = Field(le=10**7, description="optimiser steps")
     batch_size: PositiveInt = Field(default=128, le=10**5, description="windows in a gradient step")
     noise_draws: PositiveInt = Field(default=1, le=1000, description="noise levels tried on each window of a batch")
-    learning_rate: PositiveFloat = Field(default=1e-4, description="of AdamW, after the warm-up")
+    learning_rate: PositiveFloat = Field(default=1e-4, le=1, description="of AdamW, after the warm-up")
     beta1: float = Field(default=0.95, gt=0, lt=1, description="of AdamW, decay of the mean gradient")
     beta2: float = Field(default=0.999, gt=0, lt=1, description="of AdamW, decay of the mean squared gradient")
     weight_decay: NonNegativeFloat = Field(default=1e-6, description="of AdamW, share of the learning rate")

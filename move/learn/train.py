@@ -4,7 +4,6 @@ Batch order, crops, noise levels and noise are a pure function of (seed, step). 
 that stopped and went on from its checkpoint therefore ends with the same bits as training straight through.
 """
 
-import hashlib
 import math
 import os
 import time
@@ -28,7 +27,8 @@ from move.machine import keep_freed_memory, one_thread, precision_used
 from move.sim.demonstrations import Demonstrations
 
 CURVE_POINTS = 50
-CHECKPOINT_SECONDS = float(os.environ.get("MOVE_CHECKPOINT_SECONDS", "180"))
+CHECKPOINT_SECONDS = 180.0  # between two checkpoints; the environment variable says otherwise
+VARIABLE = "MOVE_CHECKPOINT_SECONDS"
 OnStep = Callable[[int, int, float], None]
 
 
@@ -78,12 +78,6 @@ def ema_decay_at(training: Training, averaged_steps: int) -> float:
     return min(training.ema_decay, 1 - (1 + averaged_steps) ** -training.ema_power)
 
 
-def fingerprint(demonstrations: Demonstrations) -> str:
-    """Sixteen hex digits of the actions and episode ends, which no two collections share."""
-    digest = hashlib.sha256(demonstrations.actions.tobytes() + demonstrations.episode_ends.tobytes())
-    return digest.hexdigest()[:16]
-
-
 class Batches:
     """The windows of the demonstrations as tensors; a batch is drawn with replacement."""
 
@@ -112,7 +106,7 @@ class Trainer:
 
     def __init__(self, demonstrations: Demonstrations, training: Training, seed: int, device: str, task: str = ""
                  ) -> None:
-        self.training, self.seed, self.device, self.data = training, seed, device, fingerprint(demonstrations)
+        self.training, self.seed, self.device, self.data = training, seed, device, demonstrations.fingerprint
         self.task = task
         self.step, self.ema_steps, self.seconds = 0, 0, 0.0
         self.precision = precision_used(training.precision, device)
@@ -173,7 +167,6 @@ class Trainer:
         """Go back to where a checkpoint of this same run was made."""
         self._check_same_run(saved)
         self.step, self.ema_steps, self.seconds = saved.step, saved.averaged_steps, saved.seconds
-        self.precision = saved.precision if saved.finished else self.precision
         self.ema_policy.load_state_dict(saved.group("averaged"))
         self.losses[:saved.step] = saved.tensors["losses"]
         if not saved.finished:
@@ -182,8 +175,8 @@ class Trainer:
             self.adam.load_state_dict(self.adam.state_dict() | {"state": moments})
 
     def _check_same_run(self, saved: Checkpoint) -> None:
-        here = self.training.model_dump() | {"seed": self.seed, "data": self.data}
-        there = saved.training.model_dump() | {"seed": saved.seed, "data": saved.data}
+        here, there = ({**run.training.model_dump(), "seed": run.seed, "data": run.data, "task": run.task,
+                        "precision used": run.precision} for run in (self, saved))
         differing = [f"{name} {there[name]} there, {here[name]} here" for name in here if here[name] != there[name]]
         if differing:
             raise UnusableCheckpoint(f"the checkpoint belongs to another run: {'; '.join(differing)}")
@@ -220,17 +213,19 @@ def train(
     it holds this run, training goes on from there; if that is finished, it is returned. on_step(steps done, steps in
     all, loss) is called after each step. task: what the demonstrations show, for the checkpoint.
 
-    Raises BadInput if the folder cannot be written or is being trained into, if the observations do not suit the
-    settings, or if training diverges; its UnusableCheckpoint if the folder holds another run or a damaged one.
+    Raises BadInput if MOVE_CHECKPOINT_SECONDS is no time, if the folder cannot be written or is being trained into, if
+    the observations do not suit the settings, or if training diverges; its UnusableCheckpoint if the folder holds
+    another run (other data, settings, seed, task or precision) or a damaged one.
     """
     keep_freed_memory()
     one_thread()
+    seconds = _checkpoint_seconds()
     with _alone_in(checkpoint):
         saved = checkpoints.read(checkpoint, device) if checkpoint else None
         trainer = Trainer(demonstrations, training, seed, device, task)
         if saved:
             trainer.resume(saved)
-        _take_steps(trainer, checkpoint, checkpoint_every, on_step)
+        _take_steps(trainer, checkpoint, checkpoint_every, seconds, on_step)
     return trainer.ema_policy, trainer.report()
 
 
@@ -254,8 +249,18 @@ def _alone_in(folder: Path | None) -> Iterator[None]:
         lock.release()
 
 
-def _take_steps(trainer: Trainer, checkpoint: Path | None, checkpoint_every: int | None, on_step: OnStep | None
-                ) -> None:
+def _checkpoint_seconds() -> float:
+    text = os.environ.get(VARIABLE, str(CHECKPOINT_SECONDS))
+    try:
+        if (seconds := float(text)) >= 0:
+            return seconds
+    except ValueError:
+        pass
+    raise BadInput(f"{VARIABLE}: {text[:60]!r} given; allowed are seconds between two checkpoints, such as 180")
+
+
+def _take_steps(trainer: Trainer, checkpoint: Path | None, checkpoint_every: int | None, checkpoint_seconds: float,
+                on_step: OnStep | None) -> None:
     """Take the steps that are left, and write checkpoints meanwhile."""
     started = time.perf_counter() - trainer.seconds
     saved_at = trainer.seconds
@@ -266,7 +271,7 @@ def _take_steps(trainer: Trainer, checkpoint: Path | None, checkpoint_every: int
         if checkpoint_every:
             due = trainer.step % checkpoint_every == 0
         else:
-            due = trainer.seconds - saved_at > CHECKPOINT_SECONDS
+            due = trainer.seconds - saved_at > checkpoint_seconds
         if checkpoint and (due or trainer.step == steps):
             checkpoints.write(trainer.checkpoint(), Path(checkpoint))
             saved_at = trainer.seconds

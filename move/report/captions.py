@@ -14,6 +14,7 @@ from pathlib import Path
 
 from move.errors import BadInput
 from move.report.words import FIGURES, TABLES
+from move.study.provenance import other_versions
 from move.study.results import Result
 
 LONGEST_ALTERNATIVE = 400  # letters of what came out
@@ -111,7 +112,7 @@ def listed(parts: Iterable[object]) -> str:
 
 
 def numbers(results: list[Result], missing: int, purpose: str) -> str:
-    """Observation, budgets, seeds, episodes, runs and what is missing, counted from the results.
+    """Observation, budgets, seeds, episodes, runs, those of other versions and what is missing, counted from results.
 
     Args:
         missing: runs of the figure that are not there.
@@ -131,6 +132,8 @@ def numbers(results: list[Result], missing: int, purpose: str) -> str:
                for result in results for part, spent in result.seconds.items()}  # runs may share a training
     untrained = "" if trained else f", {_span([len(result.rows) for result in results], 'attempt')} each"
     sentences.append(f"{len(results)} runs{untrained}, {sum(seconds.values()) / 60:.0f} minutes in all, one core each")
+    if others := other_versions(result.provenance for result in results):
+        sentences.append(f"Other versions than here computed {listed(others)}")
     sentences += [f"{_span([missing], 'more run')} missing"] if missing else []
     sentences += [purpose] if trained else []
     return " ".join(f"{sentence}." for sentence in sentences)

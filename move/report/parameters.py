@@ -12,6 +12,7 @@ from pydantic import AfterValidator, ConfigDict, Field, create_model
 from move import experiments
 from move.choices import refuse_unknown_parameters
 from move.errors import BadInput
+from move.experiments.registry import check_values
 from move.sim.tasks import get_task
 from move.study.profiles import Profile, load_profile
 from move.validation import build
@@ -55,6 +56,8 @@ def check(notebook: str, profile: Profile, changes: dict[str, Any]) -> dict[str,
     if own:
         experiments.runs(notebook, profile, {name: value for name, value in changes.items() if name in own})
     others = {name: value for name, value in given.items() if name not in own}
+    for name, value in others.items():
+        check_values(name, value)
     fields: dict[str, Any] = {name: (ALLOWED[name], ...) for name in others}
     try:
         build(create_model("Parameters", __config__=ConfigDict(strict=True), **fields), **others)

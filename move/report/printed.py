@@ -15,6 +15,7 @@ import numpy as np
 import pandas as pd
 from pandas.io.formats.style import Styler
 
+from move.files import written_aside
 from move.report.captions import table_caption
 from move.report.style import NAMES
 from move.sim.tasks import TASKS
@@ -174,13 +175,17 @@ def save(
     Args:
         printed: what the LaTeX table holds in place of the readable `table`.
         source: where the numbers come from, for the caption.
+
+    Raises:
+        BadInput: one of them cannot be written, as on a full disk; what was there stays.
     """
-    folder.mkdir(parents=True, exist_ok=True)
     joined = table.assign(**{column: [" ".join(map(str, values)) for values in table[column]]
                              for column in ("seeds",) if column in table and table[column].map(type).eq(list).any()})
-    joined.to_csv(folder / f"{name}.csv", float_format="%.4f", index=table.index.name is not None)
     text = latex(readable(table) if printed is None else printed, name, source)
-    (folder / f"{name}.tex").write_text(text, encoding="utf-8")
+    with written_aside(folder / f"{name}.csv") as beside:
+        joined.to_csv(beside, float_format="%.4f", index=table.index.name is not None)
+    with written_aside(folder / f"{name}.tex") as beside:
+        beside.write_text(text, encoding="utf-8")
 
 
 def latex(printed: pd.DataFrame, name: str, source: str = "") -> str:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import re
 import textwrap
+import zlib
 from collections.abc import Sequence
 from io import BytesIO
 from pathlib import Path
@@ -16,6 +18,7 @@ from matplotlib.figure import Figure
 from matplotlib.transforms import Bbox
 from PIL import Image
 
+from move.files import written_aside
 from move.report.captions import Caption
 
 COLOURS = {  # safe for colour-blind readers (Okabe and Ito); a method has the same everywhere
@@ -133,19 +136,37 @@ def _places(figure: Figure) -> np.ndarray:
 def save(figure: Figure, name: str, folder: Path, caption: Caption | None = None) -> None:
     """Write `name`.pdf and `name`.png into `folder`, and their caption, which both of them also hold, beside them.
 
-    Where both are there and nobody could see a difference they stay: two machines draw the same scene a level of
-    brightness apart in a pixel or two.
+    Where both are there, whole, and nobody could see a difference they stay: two machines draw the same scene a level
+    of brightness apart in a pixel or two.
+
+    Raises:
+        BadInput: one of them cannot be written, as on a full disk; what was there stays.
     """
-    folder.mkdir(parents=True, exist_ok=True)
     title, alt = (caption.title, caption.alt) if caption else (name, "")
     page, picture, drawn = folder / f"{name}.pdf", folder / f"{name}.png", BytesIO()
     settle(figure)
     figure.savefig(drawn, format="png", metadata={"Software": None, "Title": title, "Description": alt})
-    if not (page.exists() and picture.exists() and _look_alike(picture, drawn)):
-        figure.savefig(page, metadata={"CreationDate": None, "ModDate": None, "Title": title, "Subject": alt})
-        picture.write_bytes(drawn.getvalue())
+    if not (_is_whole(page) and _look_alike(picture, drawn)):
+        with written_aside(page) as beside:
+            figure.savefig(beside, format="pdf",
+                           metadata={"CreationDate": None, "ModDate": None, "Title": title, "Subject": alt})
+        with written_aside(picture) as beside:
+            beside.write_bytes(drawn.getvalue())
     if caption:
-        (folder / f"{name}.caption.md").write_text(caption.markdown(), encoding="utf-8")
+        with written_aside(folder / f"{name}.caption.md") as beside:
+            beside.write_text(caption.markdown(), encoding="utf-8")
+
+
+def _is_whole(page: Path) -> bool:
+    """Whether a file is a PDF to its end, whose index is where its last lines say and whose streams decompress."""
+    try:
+        content = page.read_bytes()
+        end = re.search(rb"startxref\s+(\d+)\s+%%EOF\s*\Z", content)
+        for start in re.finditer(rb"/FlateDecode\b[^>]*>>\s*stream\r?\n", content):
+            zlib.decompressobj().decompress(content[start.end():])
+    except (OSError, zlib.error):
+        return False
+    return content.startswith(b"%PDF-") and end is not None and content[int(end[1]):].startswith(b"xref")
 
 
 def _look_alike(there: Path, drawn: BytesIO) -> bool:
@@ -155,6 +176,6 @@ def _look_alike(there: Path, drawn: BytesIO) -> bool:
             if (old.size, old.info) != (new.size, new.info):
                 return False
             levels = [np.asarray(image.convert("RGBA"), np.int16) for image in (old, new)]
-    except (OSError, SyntaxError):  # what PIL raises on a file that is no picture
+    except (OSError, SyntaxError, ValueError, Image.DecompressionBombError):  # what PIL raises on what is no picture
         return False
     return int(np.abs(levels[0] - levels[1]).max()) <= UNSEEN_LEVELS

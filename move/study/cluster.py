@@ -1,4 +1,4 @@
-"""Runs on a Dask cluster whose workers share the results folder.
+"""Runs on a Dask cluster whose workers share the results folder and the source that decides a result.
 
 A worker has as many threads as its machine has cores; each of them computes in a process of its own (`processes.py`),
 because two runs in one process would share a simulator.
@@ -17,6 +17,7 @@ from uuid import uuid4
 
 from move.errors import BadInput
 from move.study.processes import Processes
+from move.study.provenance import deciding, difference
 from move.study.spec import RunSpec
 
 if TYPE_CHECKING:
@@ -25,24 +26,25 @@ if TYPE_CHECKING:
 ANSWER = 10.0  # seconds that a scheduler may take to answer
 PATIENCE = 3.0  # seconds that a worker may take to join before one is told that there is none
 GONE = "cluster: the scheduler is gone; what is stored stays, and the same command goes on with another"
+SAME = "allowed are workers with the same source and versions"
 _HERE = Processes()  # of this worker
 
 
 class UnfitWorker(BadInput):
-    """A worker that cannot store what it would compute."""
+    """A worker that cannot store what it would compute, or would compute something else."""
 
 
 class Cluster:
-    """The workers of a scheduler, and the token by which they know the results folder."""
+    """The workers of a scheduler, the token by which they know the results folder, and what decides results here."""
 
     def __init__(self, client: Client, address: str, folder: Path) -> None:
         self.client, self.executor, self.address = client, client.get_executor(pure=False), address
-        self.token = folder / f".{uuid4().hex}.probe"
+        self.token, self.deciding = folder / f".{uuid4().hex}.probe", deciding()
         self.seen = time.monotonic()  # when there was a worker
 
     def submit(self, spec: RunSpec, folder: Path) -> Future:
         """Compute and store a run on whichever worker is free."""
-        return self.executor.submit(_compute, spec, folder, self.token)
+        return self.executor.submit(_compute, spec, folder, self.token, self.deciding)
 
     def trouble(self) -> str:
         """That no worker is there, if so for some seconds.
@@ -58,13 +60,15 @@ class Cluster:
         return "" if time.monotonic() - self.seen < PATIENCE else f"{self.address} has no workers; waiting for one"
 
     def refuse_unfit_workers(self) -> None:
-        """Try on each worker whether it can store a result, before it computes any.
+        """Try on each worker whether it can store a result, and would compute what is computed here, before it does.
 
         Raises:
             BadInput: one of them cannot.
         """
-        answers = self.client.run(_problem, self.token, on_error="return")
+        answers = self.client.run(_problem, self.token, self.deciding, on_error="return")
         for address, problem in answers.items():
+            if isinstance(problem, (TypeError, AttributeError, ImportError)):
+                problem = f"it has another version of this package ({problem}); {SAME}"
             if problem is not None:
                 raise UnfitWorker(f"cluster: the worker {address}: {problem}")
 
@@ -81,7 +85,7 @@ def dask_cluster(address: str, folder: Path) -> Iterator[Cluster]:
     logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what goes wrong is said here, in one line
     try:
         client = Client(address, timeout=ANSWER)
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, TypeError) as error:  # dask has a TypeError for tls without certificates
         raise BadInput(f"cluster: no Dask scheduler at {address} ({error}); start one with `dask scheduler`") from error
     cluster = Cluster(client, address, folder)
     try:
@@ -95,8 +99,14 @@ def dask_cluster(address: str, folder: Path) -> Iterator[Cluster]:
         client.close(timeout=1)
 
 
-def _problem(token: Path) -> str | None:
-    """On a worker: why it cannot store results beside the token, in one line."""
+def _problem(token: Path, there: dict[str, str]) -> str | None:
+    """On a worker: why it cannot store results beside the token, or what else it would compute, in one line.
+
+    Args:
+        there: what decides results where they are asked for.
+    """
+    if differing := difference(there):
+        return f"it has {differing}; {SAME}"
     if not token.exists():
         return f"it does not share the folder {token.parent}; allowed are workers that do"
     probe = token.with_suffix(f".{uuid4().hex}.probe")
@@ -108,8 +118,8 @@ def _problem(token: Path) -> str | None:
     return None
 
 
-def _compute(spec: RunSpec, folder: Path, token: Path) -> str:
+def _compute(spec: RunSpec, folder: Path, token: Path, there: dict[str, str]) -> str:
     """On a worker: compute and store a run in the process of this thread."""
-    if problem := _problem(token):
+    if problem := _problem(token, there):
         raise UnfitWorker(f"cluster: a worker: {problem}")
     return _HERE.compute(spec, folder)

@@ -6,12 +6,17 @@ go on from their last checkpoint when the same command is given again.
 
 from __future__ import annotations
 
+import hashlib
+import os
+import re
 from collections.abc import Iterator
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, ThreadPoolExecutor, wait
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Protocol
+from uuid import uuid4
 
+from filelock import FileLock, Timeout
 from rich.console import Console
 from rich.progress import (
     BarColumn,
@@ -25,11 +30,12 @@ from rich.progress import (
 from rich.table import Column
 
 from move.errors import BadInput
-from move.files import put_away_all_remains, refuse_unwritable
+from move.files import HOST, put_away_all_remains, refuse_unwritable
 from move.machine import default_workers
 from move.paths import RUNS
 from move.study.cluster import GONE, UnfitWorker, dask_cluster
 from move.study.processes import Processes, RunFailed
+from move.study.provenance import deciding
 from move.study.results import NOT_COMPUTED, Result, set_aside, split
 from move.study.spec import RunSpec
 
@@ -78,7 +84,8 @@ def execute(
     """Compute what is missing of `specs` in `folder`; return all stored results and what is missing still, with why.
 
     Raises:
-        BadInput: a folder that cannot be written, or a cluster that does not answer.
+        BadInput: a folder that cannot be written, or into which another process writes results of other source or
+            versions; a cluster that does not answer, or whose workers have other ones.
     """
     folder = folder.absolute()
     _, missing = split(specs, folder)
@@ -88,11 +95,46 @@ def execute(
         put_away_all_remains(folder)
         todo = list({spec.hash: spec for spec, _ in missing}.values())
         local = min(len(todo), workers or default_workers())
-        with dask_cluster(cluster, folder) if cluster else process_pool(local) as pool:
+        with only_alike(folder), dask_cluster(cluster, folder) if cluster else process_pool(local) as pool:
             failed = _run_all(pool, missing, folder, quiet)
         there, missing = split(specs, folder)
         return there, [(spec, failed.get(spec.hash, why)) for spec, why in missing]
     return split(specs, folder)
+
+
+WRITING = re.compile(r"\.([0-9a-f]{16})\.(.+)\.(\d+)\.\w+\.writing")  # source and versions, host, process
+
+
+@contextmanager
+def only_alike(folder: Path) -> Iterator[None]:
+    """While the block lasts, say in `folder` by a locked file's name which source and versions compute its results.
+
+    The lock ends with the process that holds it, so that what a killed one leaves counts for nothing.
+
+    Raises:
+        BadInput: another process writes there, with other ones.
+    """
+    own = hashlib.sha256(repr(sorted(deciding().items())).encode()).hexdigest()[:16]
+    mark = FileLock(folder / f".{own}.{HOST}.{os.getpid()}.{uuid4().hex[:8]}.writing")
+    with mark:
+        try:
+            for name in [path.name for path in folder.glob(".*.writing")]:
+                if (found := WRITING.fullmatch(name)) and found[1] != own and _is_held(folder / name):
+                    raise BadInput(f"results: process {found[3]} of {found[2]} is writing to {folder} with another "
+                                   "source or other versions of packages; allowed is a folder of its own, or after it")
+            yield
+        finally:
+            Path(mark.lock_file).unlink(missing_ok=True)
+
+
+def _is_held(path: Path) -> bool:
+    """Whether a process holds a lock; what nobody holds is removed."""
+    try:
+        with FileLock(path, timeout=0):
+            path.unlink(missing_ok=True)
+        return False
+    except Timeout:
+        return True
 
 
 def _run_all(pool: Pool, missing: list[tuple[RunSpec, str]], folder: Path, quiet: bool) -> dict[str, str]:
@@ -165,7 +207,7 @@ def how_far(folder: Path) -> tuple[str, float] | None:
         part, done, total = (folder / "progress").read_text().split()
         start, share = PART_SHARE[part]
         return part, start + share * int(done) / int(total)
-    except (OSError, ValueError, KeyError):
+    except (OSError, ValueError, KeyError, ZeroDivisionError):
         return None
 
 

@@ -1,7 +1,13 @@
-"""Trained policies: the few that are shipped beside the results, and those that runs left on this machine."""
+"""Trained policies: the few that are shipped beside the results, and those that runs left on this machine.
+
+Beside a finished policy, `policy.json` says of which run it is and holds the sha256 of every other file of its folder.
+Without it, or where something does not fit, the policy is refused.
+"""
 
 from __future__ import annotations
 
+import hashlib
+import json
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -12,12 +18,15 @@ from safetensors.numpy import load_file, save_file
 
 from move import paths
 from move.errors import BadInput
+from move.files import written_aside
 from move.learn.agents import Agent, PolicyAgent, Recorded
-from move.learn.checkpoint import load_policy, read
+from move.learn.checkpoint import UnusableCheckpoint, policy_of, read
 from move.learn.diffusion import DiffusionPolicy
 from move.study.profiles import Profile
-from move.study.spec import RunSpec
+from move.study.spec import PolicyRun, RunSpec
+from move.untrusted import read_json
 
+SEAL = "policy.json"
 EPISODES = "episodes.safetensors"  # beside a shipped policy: what it did in some of its evaluation's episodes
 
 
@@ -38,13 +47,51 @@ def trained_policy(spec: RunSpec, profile: Profile) -> DiffusionPolicy:
     """The policy that the run `spec` evaluated.
 
     Raises:
-        BadInput: it is neither shipped nor left by a run on this machine, or damaged.
+        BadInput: it is neither shipped nor left by a run on this machine, or damaged, or of another run.
     """
     for folder in (_shipped(spec, profile), _trained_here(spec)):
         if (folder / "run.json").exists():
-            return load_policy(folder, task=spec.task)
+            return _sealed_policy(spec, folder)
     raise BadInput(f"{spec.label}: its policy is not shipped; delete {paths.results(profile) / spec.hash}.json and "
                    "give `move run` again to train it here")
+
+
+def seal(spec: RunSpec, folder: Path) -> None:
+    """Write beside a policy of which run it is, and what its files are."""
+    with written_aside(folder / SEAL) as beside:
+        beside.write_text(json.dumps({"run": spec.policy_hash, "sha256": _digests(folder)}, indent=1) + "\n")
+
+
+def _digests(folder: Path) -> dict[str, str]:
+    """The sha256 of each file of a policy's folder, but for the seal and what a training leaves while it lasts."""
+    files = (path for path in sorted(folder.iterdir()) if path.suffix in (".json", ".safetensors") and path.name != SEAL
+             and not path.name.startswith("."))
+    return {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in files}
+
+
+def refuse_other_files(spec: RunSpec, folder: Path) -> None:
+    """Refuse a folder that is not, to the last bit, what was sealed as the policy of the run `spec`.
+
+    Raises:
+        BadInput: no seal, that of another run, or a file that is missing, more, or changed.
+    """
+    path = folder / SEAL
+    about = read_json(path, "of which run a policy is, and its files' digests") if path.exists() else {}
+    sealed, there = about.get("sha256"), _digests(folder)
+    if about.get("run") != spec.policy_hash or not isinstance(sealed, dict):
+        raise BadInput(f"{folder} is not the policy of {spec.label}, run {spec.policy_hash}: its {SEAL} says "
+                       f"{about.get('run', 'nothing')}")
+    if differing := sorted(name for name in there.keys() | sealed.keys() if there.get(name) != sealed.get(name)):
+        raise BadInput(f"{folder / differing[0]} does not fit its digest in {SEAL}: damaged, or another policy's")
+
+
+def _sealed_policy(spec: RunSpec, folder: Path) -> DiffusionPolicy:
+    refuse_other_files(spec, folder)
+    saved = read(folder)
+    if saved is None or not isinstance(spec, PolicyRun) or not saved.finished or (
+            saved.training, saved.seed, saved.task) != (spec.training, spec.seed, spec.task):
+        raise UnusableCheckpoint(f"{folder}: other settings, seed or task than those of {spec.label}, or unfinished")
+    return policy_of(saved)
 
 
 def acting(spec: RunSpec, profile: Profile) -> Callable[[int], Agent]:
@@ -61,9 +108,12 @@ def recorded_episodes(spec: RunSpec, profile: Profile) -> dict[int, np.ndarray]:
     """Of some episodes of a shipped policy's evaluation, by number, the actions: (steps, action_size) float32.
 
     Raises:
-        BadInput: the file is damaged.
+        BadInput: the file is damaged, or another policy's.
     """
     path = _shipped(spec, profile) / EPISODES
+    if not path.parent.exists():
+        return {}
+    refuse_other_files(spec, path.parent)
     if not path.exists():
         return {}
     try:
@@ -78,12 +128,15 @@ def recorded_episodes(spec: RunSpec, profile: Profile) -> dict[int, np.ndarray]:
 def record_episodes(spec: RunSpec, profile: Profile, episodes: dict[int, np.ndarray]) -> Path:
     """Write what a shipped policy did in these episodes beside it."""
     path = _shipped(spec, profile) / EPISODES
-    save_file({str(number): np.ascontiguousarray(actions, np.float32) for number, actions in episodes.items()}, path)
+    with written_aside(path) as beside:
+        save_file({str(number): np.ascontiguousarray(actions, np.float32) for number, actions in episodes.items()},
+                  beside)
+    seal(spec, path.parent)
     return path
 
 
 def ship(spec: RunSpec, profile: Profile) -> Path:
-    """Copy the finished policy of a run on this machine beside the profile's results.
+    """Copy the finished policy of a run on this machine beside the profile's results, and seal it.
 
     Raises:
         BadInput: there is none, or its training is unfinished.
@@ -91,6 +144,7 @@ def ship(spec: RunSpec, profile: Profile) -> Path:
     saved = read(_trained_here(spec))
     if saved is None or not saved.finished:
         raise BadInput(f"{spec.label}: no finished policy in {_trained_here(spec)}")
-    shutil.copytree(_trained_here(spec), _shipped(spec, profile), dirs_exist_ok=True,
-                    ignore=shutil.ignore_patterns("lock", "*.part"))
+    refuse_other_files(spec, _trained_here(spec))
+    with written_aside(_shipped(spec, profile)) as beside:
+        shutil.copytree(_trained_here(spec), beside, ignore=shutil.ignore_patterns("lock", "*.part"))
     return _shipped(spec, profile)

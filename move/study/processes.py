@@ -17,6 +17,7 @@ from pathlib import Path
 
 import move
 from move.machine import THREAD_VARIABLES
+from move.study.provenance import deciding
 from move.study.spec import RunSpec
 
 TRIES = 3  # of a run whose process dies
@@ -45,7 +46,8 @@ class Processes:
         """
         for _ in range(TRIES):
             process = self._own_process()
-            answer = _ask(process, json.dumps({"spec": spec.model_dump_json(), "folder": str(folder)}))
+            answer = _ask(process, json.dumps({"spec": spec.model_dump_json(), "folder": str(folder),
+                                               "there": deciding()}))
             if answer is None:
                 self._forget(process)
                 continue

@@ -7,17 +7,21 @@ from pathlib import Path
 from typing import Annotated, Any, Self
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, PositiveInt, ValidationError, field_validator, model_validator
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
 from move import yaml_text
 from move.choices import Method, notebooks
 from move.errors import BadInput
 from move.learn.settings import Training
 from move.machine import gl_problem
-from move.paths import PROFILES
+from move.paths import IN_CHECKOUT, PROFILES
+from move.sim.collection import Collection
 from move.sim.observe import IMAGE_SIZE, ObservationKind
 from move.validation import first_problem
 
+Budget = Annotated[int, Field(gt=0, le=10**8)]  # timesteps
+Steps = Annotated[int, Field(gt=0, le=10**7)]
+CHOSEN_ELSEWHERE = ("task", "method", "timesteps", "observation")  # of a collection: by the experiment
 Minutes = Annotated[float, Field(gt=0, le=10**6, allow_inf_nan=False)]
 
 
@@ -34,7 +38,8 @@ class Profile(BaseModel):
     )
     shipped: bool = Field(default=False, description="whether its figures and tables are those in git")
     shares_results: str = Field(
-        default="", description="the profile in whose folder its results are kept; left out: in its own"
+        default="", pattern=r"^[\w-]*$",
+        description="the profile in whose folder its results are kept; left out: in its own"
     )
     image_size: int = Field(default=IMAGE_SIZE, ge=16, le=512, description="pixels along a side")
     collection: dict[Method, dict[str, Any]] = Field(
@@ -44,7 +49,7 @@ class Profile(BaseModel):
     training: dict[ObservationKind, Training] = Field(
         description="the recipe for each observation, alike for all methods"
     )
-    gradient_steps: dict[ObservationKind, dict[PositiveInt, PositiveInt]] = Field(
+    gradient_steps: dict[ObservationKind, dict[Budget, Steps]] = Field(
         default_factory=dict, description="by observation: gradient steps for so many timesteps of data"
     )
     notebooks: dict[str, dict[str, Any]] = Field(description="parameters that differ from the notebook's own")
@@ -59,12 +64,31 @@ class Profile(BaseModel):
             own = self.training[observation].gradient_steps if observation in self.training else "no such recipe"
             if not steps or steps[min(steps)] != own:
                 raise ValueError(f"gradient_steps {observation}: smallest budget must have what training has, {own}")
+            if (taken := [steps[budget] for budget in sorted(steps)]) != sorted(taken):
+                raise ValueError(f"gradient_steps {observation}: {taken} given for budgets {sorted(steps)}; allowed "
+                                 "are no fewer for more data")
         return self
+
+    @model_validator(mode="after")
+    def _crops_fit_the_images(self) -> Self:
+        pixels = self.training["rgb"].crop_pixels if "rgb" in self.training else None
+        if pixels and pixels > self.image_size:
+            raise ValueError(f"training rgb: crop_pixels {pixels} of images of {self.image_size} pixels; allowed are "
+                             "no more")
+        return self
+
+    @field_validator("collection")
+    @classmethod
+    def _of_what_no_experiment_chooses(cls, collection: dict[str, dict[str, Any]]) -> dict[str, dict[str, Any]]:
+        allowed = [name for name in Collection.model_fields if name not in CHOSEN_ELSEWHERE]
+        if wrong := [name for chosen in collection.values() for name in chosen if name not in allowed]:
+            raise ValueError(f"{wrong[0]!r} given; allowed are {', '.join(allowed)}")
+        return collection
 
     @field_validator("notebooks", "without_gl")
     @classmethod
     def _of_notebooks_that_exist(cls, changed: dict[str, dict[str, Any]]) -> dict[str, dict[str, Any]]:
-        if unknown := sorted(set(changed) - set(notebooks())):
+        if IN_CHECKOUT and (unknown := sorted(set(changed) - set(notebooks()))):
             raise ValueError(f"no notebook {', '.join(unknown)}; allowed are {', '.join(notebooks())}")
         return changed
 

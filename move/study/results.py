@@ -21,7 +21,7 @@ from move.errors import BadInput
 from move.files import written_aside
 from move.sim.tasks import FACTORS
 from move.study.labels import Label
-from move.study.spec import RunSpec, run_spec_from_json
+from move.study.spec import RESULTS_VERSION, RunSpec, run_spec_from_json
 from move.study.stored import refuse_other_content
 from move.validation import reason_of
 
@@ -84,6 +84,8 @@ def load(spec: RunSpec, folder: Path) -> Result | None:
         stored = run_spec_from_json(json.dumps(content["spec"]))
         if stored != spec:
             raise ValueError("it holds another spec")
+        if stored.results_version != RESULTS_VERSION:
+            raise ValueError(f"results version {stored.results_version}; this source reads {RESULTS_VERSION}")
         refuse_other_content(content, spec)
     except (OSError, ValueError, TypeError, KeyError, RecursionError) as error:
         raise BadInput(f"result {path} is not usable: {reason_of(error)}") from error

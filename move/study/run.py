@@ -28,9 +28,10 @@ from move.sim.configuration import SpatialConfiguration
 from move.sim.motion.adc import Jumping
 from move.sim.observe import KEYPOINTS, ObservationSpec
 from move.sim.tasks import get_task
-from move.study.provenance import provenance
+from move.study.policies import seal
+from move.study.provenance import provenance, source
 from move.study.results import Result, load, store
-from move.study.spec import CollectionRun, ControlRun, PolicyRun, RunSpec
+from move.study.spec import RESULTS_VERSION, CollectionRun, ControlRun, PolicyRun, RunSpec
 
 _UNDER_WAY = threading.Lock()  # held by the run of this process
 
@@ -48,9 +49,12 @@ def run(
     are not kept: the spec and the seed make the same ones again.
 
     Raises:
-        BadInput: another thread of this process computes a run, whose simulator it would share; the scratch or the
-            results folder cannot be written; training diverged.
+        BadInput: a spec of another results version; another thread of this process computes a run, whose simulator it
+            would share; the scratch or the results folder cannot be written; training diverged.
     """
+    if spec.results_version != RESULTS_VERSION:
+        raise BadInput(f"results_version: {spec.results_version} given; this source computes {RESULTS_VERSION}")
+    source()  # as it is now, and not when the run ends
     with _alone():
         return _run(spec, folder, on_progress, scratch)
 
@@ -140,6 +144,7 @@ def _learn(
         except UnusableCheckpoint:  # another version's or a damaged one: begin anew
             _set_aside(checkpoint)
             policy, trained = go_on()
+        seal(spec, checkpoint)
     seconds["train"] = trained.seconds
     return policy, record, trained
 

@@ -69,7 +69,7 @@ class Trained(BaseModel):
 
 
 class Provenance(BaseModel):
-    """Where the numbers came from; earlier versions did not name the accelerator."""
+    """Where the numbers came from; earlier versions named neither source nor accelerator nor CPU capability."""
 
     model_config = OPEN
 
@@ -81,6 +81,8 @@ class Provenance(BaseModel):
     commit: str
     peak_memory_mb: int
     accelerator: str | None = None
+    source: str | None = None
+    cpu_capability: str | None = None
 
 
 class Content(BaseModel):

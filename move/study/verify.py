@@ -22,7 +22,8 @@ from move.study.results import NOT_COMPUTED, Result, load, read_content, split
 from move.study.spec import PolicyRun, RunSpec, run_spec_from_json
 from move.validation import reason_of
 
-LIKE = ("processor", "accelerator", "gl_renderer")  # of the provenance: where these differ, so may single episodes
+LIKE = ("processor", "cpu_capability", "accelerator", "gl_renderer")
+"""Of the provenance: where these differ, so may single episodes."""
 
 
 def draw_sample(results: list[Result], sample: int, rng: np.random.Generator) -> list[Result]:
@@ -85,7 +86,9 @@ def _recompute(stored: Result, on_progress: running.OnProgress | None = None) ->
 
 def _elsewhere(stored: Result, again: Result) -> str:
     """What of the machine differs from the result's, in words; empty if nothing does."""
-    names = [name for name in LIKE if stored.provenance.get(name) != again.provenance.get(name)]
+    here = again.provenance
+    there = {"cpu_capability": here["cpu_capability"], **stored.provenance}  # which earlier results do not name
+    names = [name for name in LIKE if there.get(name) != here[name]]
     if (stored.training or {}).get("precision") != (again.training or {}).get("precision"):
         names.append("precision")
     return ", ".join(names)

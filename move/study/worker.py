@@ -1,7 +1,8 @@
 """A process that computes the runs it is sent, one after another: `python -m move.study.worker PARENT NUMBER`.
 
-A line of standard input is a run and its results folder; a line of standard output says what went wrong, or null. It
-ends with the process PARENT, which it looks after before anything slow is imported. NUMBER chooses the GPU.
+A line of standard input is a run, its results folder and what decides results where it is asked for; a line of
+standard output says what went wrong, or null. It ends with the process PARENT, which it looks after before anything
+slow is imported. NUMBER chooses the GPU.
 """
 
 from __future__ import annotations
@@ -29,11 +30,14 @@ def main(parent: int, number: int) -> None:
         answers.flush()
 
 
-def _compute(spec: str, folder: str) -> str | None:
+def _compute(spec: str, folder: str, there: dict[str, str]) -> str | None:
     """Compute one run, given as JSON; one line on what went wrong."""
+    from move.study.provenance import difference
     from move.study.run import run_and_report
     from move.study.spec import run_spec_from_json
 
+    if differing := difference(there):
+        return f"its process has {differing}: the source was changed meanwhile"
     try:
         run_and_report(run_spec_from_json(spec), Path(folder))
     except Exception as error:  # whatever it is, the others go on

@@ -1,0 +1,155 @@
+"""Two evaluations at the same configurations: which is better, by how much, and how sure that is."""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, NonNegativeInt, ValidationError
+
+from move.errors import BadInput
+from move.sim.configuration import SpatialConfiguration
+from move.statistics.estimates import Estimate, difference, success_rate
+from move.study.results import load, read_content
+from move.study.spec import run_spec_from_json
+from move.untrusted import read_json
+from move.validation import first_problem, reason_of
+
+HASH = re.compile(r"[0-9a-f]{16}")
+PLACE = tuple(SpatialConfiguration((0, 0, 0), (0, 0, 0), (0, 0, 0), 0).columns())
+
+
+class _Row(BaseModel):
+    """What is used of one episode; the others of its columns may be anything."""
+
+    model_config = ConfigDict(strict=True, extra="ignore", hide_input_in_errors=True)
+
+    trial: NonNegativeInt
+    group: str
+    success: bool
+    place: dict[str, FiniteFloat]
+
+
+class _File(BaseModel):
+    """What `move evaluate --json` prints."""
+
+    model_config = ConfigDict(strict=True, extra="ignore", hide_input_in_errors=True)
+
+    task: str
+    rows: list[dict[str, Any]] = Field(min_length=1)
+
+
+@dataclass(frozen=True)
+class Evaluated:
+    """One policy's or control's episodes, without those at its own training points."""
+
+    name: str
+    task: str
+    rows: list[_Row]
+
+    @property
+    def successes(self) -> np.ndarray:
+        """(1, configurations) of 0 and 1, in the order of the trials."""
+        return np.array([[row.success for row in self.rows]], float)
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Two evaluations of one task: their rates, and the paired difference with its interval and p value."""
+
+    task: str
+    first: str
+    second: str
+    first_rate: Estimate
+    second_rate: Estimate
+    difference: Estimate
+
+    def __str__(self) -> str:
+        low, value, high = (f"{100 * rate:+.1f}".replace("+0.0", "0.0").replace("-0.0", "0.0") for rate in (
+            self.difference.low, self.difference.value, self.difference.high))
+        p = self.difference.p_value
+        return (f"{self.first} {self.first_rate.value:.3f} minus {self.second} {self.second_rate.value:.3f}: {value} "
+                f"points [{low}, {high}], p {f'= {p:.3f}' if p >= 0.001 else '< 0.001'}, paired at "
+                f"{self.difference.episodes // 2} configurations of {self.task}; how much trainings differ is not "
+                "counted, for each was evaluated once")
+
+    def content(self) -> dict[str, Any]:
+        """The same as JSON holds it; rates and differences in 0 to 1."""
+        return asdict(self)
+
+
+def read_evaluation(given: str, folders: list[Path]) -> Evaluated:
+    """The evaluation in a file that `move evaluate --json` wrote, or the stored run of a hash.
+
+    Args:
+        folders: where stored runs are looked for.
+
+    Raises:
+        BadInput: neither; or one that is damaged.
+    """
+    path = Path(given)
+    if not path.is_file() and HASH.fullmatch(given):
+        path = next((found for folder in folders if (found := folder / f"{given}.json").is_file()), path)
+    if not path.is_file():
+        raise BadInput(f"{given[:100]!r} given; allowed is a file of `move evaluate --json`, or the hash of a run "
+                       f"stored in {' or '.join(map(str, folders))}")
+    about = read_json(path, "what `move evaluate --json` prints, or a stored run")
+    task, rows = _of_run(path) if "spec" in about else _of_file(path, about)
+    return Evaluated(given, task, [row for row in rows if row.group != "point"])
+
+
+def _of_run(path: Path) -> tuple[str, list[_Row]]:
+    try:
+        spec = run_spec_from_json(json.dumps(read_content(path)["spec"]))
+    except (OSError, ValueError, TypeError, KeyError, RecursionError) as problem:
+        raise BadInput(f"result {path} is not usable: {reason_of(problem)}") from problem
+    result = load(spec, path.parent) if path.stem == spec.hash else None
+    if result is None:
+        raise BadInput(f"{path} is the run {spec.hash}; allowed is a file of that name")
+    return spec.task, [_row(row, path) for row in result.rows]
+
+
+def _of_file(path: Path, about: dict[str, Any]) -> tuple[str, list[_Row]]:
+    try:
+        found = _File.model_validate(about)
+    except ValidationError as problem:
+        raise BadInput(f"{path}: {first_problem(problem)}; allowed is what `move evaluate --json` prints") from problem
+    return found.task, [_row(row, path) for row in found.rows]
+
+
+def _row(row: dict[str, Any], path: Path) -> _Row:
+    try:
+        return _Row.model_validate({**row, "place": {name: row[name] for name in PLACE if name in row}})
+    except ValidationError as problem:
+        raise BadInput(f"{path}: row of trial {str(row.get('trial'))[:20]}: {first_problem(problem)}") from problem
+
+
+def _begin_alike(row: _Row, paired: _Row) -> bool:
+    """Whether two episodes have the same number, group and configuration, by the columns that both have."""
+    shared = row.place.keys() & paired.place.keys()
+    return bool(shared) and (row.trial, row.group) == (paired.trial, paired.group) and all(
+        row.place[name] == paired.place[name] for name in shared)
+
+
+def compare(first: Evaluated, second: Evaluated) -> Comparison:
+    """First minus second, paired by configuration.
+
+    Raises:
+        BadInput: two tasks, or not the same configurations in the same order.
+    """
+    if first.task != second.task:
+        raise BadInput(f"compare: {first.name} is of {first.task}, {second.name} of {second.task}; allowed is one task")
+    if not first.rows or len(first.rows) != len(second.rows):
+        raise BadInput(f"compare: {len(first.rows)} and {len(second.rows)} episodes; allowed are as many")
+    for row, paired in zip(first.rows, second.rows, strict=True):
+        if not _begin_alike(row, paired):
+            raise BadInput(f"compare: trial {row.trial} of {first.name} and {paired.trial} of {second.name} did not "
+                           "begin in the same configuration; allowed are evaluations with the same starts, episodes "
+                           "and factors")
+    one, other = first.successes, second.successes
+    return Comparison(first.task, first.name, second.name, success_rate(one), success_rate(other),
+                      difference(one, other))

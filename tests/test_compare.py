@@ -1,0 +1,98 @@
+"""`move compare`: two evaluations at the same configurations, or a line on why they are not."""
+
+import json
+import re
+
+import numpy as np
+import pytest
+from test_cli import move
+
+from move import experiments, paths
+from move.errors import BadInput
+from move.statistics.estimates import difference
+from move.study import compare
+from move.study.profiles import load_profile
+
+
+def printed(successes, task="push", **changes):
+    """What `move evaluate --json` prints."""
+    rows = [{"trial": number, "group": "random", "object_x": number / 7, "object_y": 0.5, "success": bool(success),
+             "steps": 9} for number, success in enumerate(successes)]
+    return {"agent": "policy", "task": task, "rows": rows} | changes
+
+
+@pytest.fixture
+def files(tmp_path):
+    def write(*contents):
+        for name, content in zip("AB", contents, strict=True):
+            (tmp_path / name).write_text(content if isinstance(content, str) else json.dumps(content))
+        return [str(tmp_path / name) for name in "AB"]
+    return write
+
+
+@pytest.mark.parametrize("seed, apart", [(0, 0.0), (1, 0.3), (2, -0.4)])
+def test_the_difference_is_that_of_the_paired_episodes(capsys, files, seed, apart):
+    rng = np.random.default_rng(seed)
+    one, other = rng.random(80) < 0.5 + apart / 2, rng.random(80) < 0.5 - apart / 2
+    expected = difference(one[None].astype(float), other[None].astype(float))
+    code, out, _ = move(capsys, "compare", *files(printed(one), printed(other)), "--json")
+    found = json.loads(out)
+    assert code == 0 and found["task"] == "push"
+    for name in ("value", "low", "high", "p_value"):
+        assert found["difference"][name] == pytest.approx(getattr(expected, name))
+    assert (found["first_rate"]["value"], found["second_rate"]["value"]) == (one.mean(), other.mean())
+    assert found["difference"]["value"] == pytest.approx(one.mean() - other.mean())
+
+
+def test_a_line_says_it_all_and_pairing_narrows_it(capsys, files):
+    one = np.tile([1, 1, 1, 0], 15)
+    other = np.where(np.arange(60) < 12, 0, one)
+    code, out, _ = move(capsys, "compare", *files(printed(one), printed(other)))
+    assert code == 0 and out.count("\n") == 1
+    assert "A 0.750 minus" in out and "B 0.600: +15.0 points [+" in out and "p = 0.00" in out
+    assert "paired at 60 configurations of push" in out and "trainings differ is not counted" in out
+    assert "0.0 points [" in str(compare.compare(*[compare.read_evaluation(name, []) for name in files(
+        printed(one), printed(one))]))
+
+
+def test_two_stored_runs_by_their_hashes_and_a_run_with_itself(capsys):
+    profile = load_profile("laptop")
+    runs = {run.spec.method: run.spec for run in experiments.runs("table2_main", profile)
+            if run.spec.task == "pick-place" and run.spec.seed == 0 and run.spec.observation == "rgb"}
+    code, out, _ = move(capsys, "compare", runs["move"].hash, runs["static"].hash, "--json")
+    found = json.loads(out)
+    rows = [json.loads((paths.results(profile) / f"{runs[method].hash}.json").read_text())["rows"]["success"]
+            for method in ("move", "static")]
+    assert code == 0 and found["difference"]["value"] == pytest.approx(np.mean(rows[0]) - np.mean(rows[1]))
+    assert found["difference"]["low"] > 0
+    code, out, _ = move(capsys, "compare", runs["move"].hash, runs["move"].hash)
+    assert code == 0 and "0.0 points" in out
+
+
+def moved(content):
+    content["rows"][3]["object_x"] += 1e-6
+    return content
+
+
+@pytest.mark.parametrize("second, message", [
+    (printed([1, 0, 1, 1], task="hammer"), "is of push, .* of hammer; allowed is one task"),
+    (printed([1, 0, 1]), "4 and 3 episodes; allowed are as many"),
+    (moved(printed([1, 0, 1, 1])), "trial 3 of .* did not begin in the same configuration"),
+    (printed([1, 0, 1, 1], rows=printed([1, 0, 1, 1])["rows"][::-1]), "did not begin in the same configuration"),
+    (printed([1] * 4, rows=[{"trial": n, "group": "random", "success": True} for n in range(4)]), "did not begin"),
+    (printed([1] * 4, rows=[{"trial": 0, "group": "random", "success": 1}]), "success: 1 given; input should be"),
+    (printed([1] * 4, rows=[]), "rows: .*at least 1"),
+    (printed([1] * 4, rows=[5]), "rows.0: 5 given"),
+    ({"task": "push"}, "rows: .*field required; allowed is what `move evaluate --json` prints"),
+    ({"spec": 5, "rows": []}, "is not usable"),
+    ("[]", "expected a JSON object"), ("{", "cannot read"), ("[" * 9000, "cannot read"),
+])
+def test_what_cannot_be_compared_is_one_line(capsys, files, second, message):
+    code, out, told = move(capsys, "compare", *files(printed([1, 0, 1, 1]), second))
+    assert (code, out) == (2, "") and told.count("\n") == 1 and re.search(message, told), told
+
+
+@pytest.mark.parametrize("given", ["nowhere.json", "0" * 16, "/", "", "../results"])
+def test_what_is_not_there_is_one_line(given, tmp_path):
+    with pytest.raises(BadInput, match="given; allowed is a file of `move evaluate --json`, or the hash of a run"):
+        compare.read_evaluation(given, [tmp_path])

@@ -1,0 +1,116 @@
+"""What is written for a reader is written whole or not at all, and what is damaged is written again."""
+
+import os
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pandas as pd
+import pytest
+
+from move.errors import BadInput
+from move.report import printed, style
+from move.report.captions import Caption
+from move.study.execute import how_far
+from move.video import write_video
+
+CAPTION = Caption("A line", "What is shown.", "Something.", "A line that rises.")
+
+
+def figure():
+    style.use_style()
+    drawn, axes = plt.subplots(figsize=(2, 1.5), layout="constrained")
+    axes.plot([0, 1], [0, 1])
+    axes.set_title("rises")
+    return drawn
+
+
+def save(folder):
+    """All kinds of output."""
+    drawn = figure()
+    style.save(drawn, "line", folder, CAPTION)
+    plt.close(drawn)
+    printed.save(pd.DataFrame({"task": ["push"], "rate": [0.5]}), "table2_main", folder)
+    write_video(folder / "film.mp4", np.zeros((3, 16, 16, 3), np.uint8), (16, 16), 10, "yuv420p", {})
+
+
+def content(folder):
+    return {path.name: path.read_bytes() for path in folder.iterdir()}
+
+
+@pytest.fixture
+def outputs(tmp_path):
+    save(tmp_path)
+    assert sorted(content(tmp_path)) == ["film.mp4", "line.caption.md", "line.pdf", "line.png", "table2_main.csv",
+                                         "table2_main.tex"]
+    return tmp_path
+
+
+def cut(text: bytes) -> bytes:
+    return text[:min(100, len(text) // 2)]
+
+
+def flipped(text: bytes) -> bytes:
+    place = text.rindex(b">>\nstream\n") + 24  # in what is compressed
+    return text[:place] + bytes([text[place] ^ 255]) + text[place + 1:]
+
+
+@pytest.mark.parametrize("name, damage", [
+    ("line.pdf", cut), ("line.pdf", lambda text: text[:-200]), ("line.pdf", lambda text: b""), ("line.pdf", flipped),
+    ("line.pdf", lambda text: text.replace(b"%PDF", b"%PDX", 1)), ("line.pdf", lambda text: text[:500] + text[600:]),
+    ("line.png", cut), ("line.png", lambda text: b""), ("line.png", lambda text: text[:300] + b"\xff" + text[301:]),
+    ("line.caption.md", cut), ("table2_main.csv", cut), ("table2_main.tex", lambda text: b"\0" + text),
+    ("film.mp4", cut)])
+def test_what_is_damaged_is_written_again_beside_what_is_whole(outputs, name, damage):
+    whole = content(outputs)
+    (outputs / name).write_bytes(damage(whole[name]))
+    assert content(outputs) != whole
+    save(outputs)
+    assert content(outputs) == whole
+
+
+def test_pictures_that_nobody_can_tell_apart_stay(outputs):
+    before = {path.name: path.stat().st_mtime_ns for path in outputs.glob("line.p*")}
+    save(outputs)
+    assert {path.name: path.stat().st_mtime_ns for path in outputs.glob("line.p*")} == before
+
+
+@pytest.mark.parametrize("name", ["line.pdf", "line.png", "line.caption.md", "table2_main.csv", "table2_main.tex",
+                                  "film.mp4"])
+def test_a_disk_that_is_full_at_the_end_is_one_line_and_leaves_what_was_there(outputs, name, monkeypatch):
+    (outputs / "line.pdf").write_bytes(b"an older one")  # so that the pictures are due
+    before, replace = content(outputs), os.replace
+
+    def full(source, target):
+        if str(target).endswith(name):
+            raise OSError(28, "No space left on device")
+        replace(source, target)
+
+    monkeypatch.setattr(os, "replace", full)
+    with pytest.raises(BadInput, match=f"cannot write .*{name}: No space left on device") as problem:
+        save(outputs)
+    assert "\n" not in str(problem.value)
+    after = content(outputs)
+    assert after.keys() == before.keys() and after[name] == before[name]
+
+
+def test_a_disk_that_is_full_in_the_middle_of_a_picture_leaves_no_half_of_it(outputs, monkeypatch):
+    (outputs / "line.pdf").write_bytes(b"an older one")
+
+    def half(self, path, **keywords):
+        if keywords["format"] == "pdf":
+            path.write_bytes(b"%PDF-1.4 half")
+            raise OSError(28, "No space left on device")
+        path.write(b"png")
+
+    monkeypatch.setattr("matplotlib.figure.Figure.savefig", half)
+    with pytest.raises(BadInput, match="cannot write .*line.pdf: No space left on device"):
+        save(outputs)
+    assert content(outputs)["line.pdf"] == b"an older one" and len(content(outputs)) == 6
+
+
+@pytest.mark.parametrize("text", ["train 10 0", "train 0 0", "train x 5", "dance 1 2", "train 1", "", "\xff"])
+def test_a_progress_file_that_says_nothing_is_no_progress(tmp_path, text):
+    (tmp_path / "progress").write_text(text, encoding="latin-1")
+    assert how_far(tmp_path) is None
+    (tmp_path / "progress").write_text("train 5 10")
+    assert how_far(tmp_path) == ("train", pytest.approx(0.475))
