@@ -16,9 +16,11 @@ from move import paths
 from move.errors import BadInput
 
 Method = Literal["static", "adc", "move", "mixture"]
-Factors = Literal["object", "object+target", "all"]
+Factors = Literal["object", "object+hand", "object+target", "all"]
 Protocol = Literal["random", "sparse", "dense", "circle"]
 ExpertName = Literal["phase", "metaworld"]
+Place = Literal["package", "authors"]
+Drawing = Literal["plain", "full"]
 SpeedLaw = Literal["beta", "uniform", "constant"]
 Control = Literal["nothing", "random", "expert", "goal-blind"]
 ExportFormat = Literal["lerobot", "zarr"]

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from move.sim.collect import Collection, attempts, collect
+from move.sim.collect import Collection, attempts, collect, hand_near
 from move.sim.grasp_points import grasp_point
 from move.sim.scene.scene import Scene
 from move.sim.tasks import get_task
@@ -58,8 +58,9 @@ def test_hands_start_all_over_the_spread_and_within_their_limits(five_seeds):
     assert np.abs(aside).max() <= SPREAD
     assert (aside.min(axis=0) < -0.9 * SPREAD).all() and (aside.max(axis=0) > 0.9 * SPREAD).all()
     low, high = (np.array(limit) for limit in Scene().hand_limits)
-    fixed = np.array(TASK.fixed.hand_position)
-    assert (fixed - 0.1 >= low).all() and (fixed + 0.1 <= high).all()  # the largest spread there is
+    wide = np.array([hand_near(TASK, 1.0, np.random.default_rng(seed)) for seed in range(300)])
+    assert (wide >= low).all() and (wide <= high).all(), "a spread is cut at the hand's limits"
+    assert (wide.min(axis=0) < low + 0.02).all() and (wide.max(axis=0) > high - 0.02).all()
 
 
 def test_the_scene_begins_where_the_record_says():
@@ -90,8 +91,8 @@ def test_starts_alike_do_not_enter_the_hash():
     assert old == hashes[0] and len(set(hashes)) == 3
 
 
-@pytest.mark.parametrize("wrong", [{"hand_spread": -0.01}, {"hand_spread": 0.2}, {"hand_spread": float("nan")},
-                                   {"protocol": "random"}])
+@pytest.mark.parametrize("wrong", [{"hand_spread": -0.01}, {"hand_spread": float("inf")},
+                                   {"hand_spread": float("nan")}, {"protocol": "random"}, {"factors": "object+hand"}])
 def test_impossible_spreads_are_refused(wrong):
     with pytest.raises(ValidationError):
         plan(**wrong)

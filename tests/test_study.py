@@ -77,7 +77,8 @@ def test_impossible_specs_are_refused(wrong):
         tiny_spec(**wrong)
 
 
-OF_THE_METHOD = ("method", "jumping", "shares", "moving", "object_speed", "target_speed", "camera_speed")
+OF_THE_METHOD = ("method", "jumping", "shares", "moving", "object_speed", "target_speed", "camera_speed",
+                 "object_steps")
 METHOD_AXES = ("method", "jumping", "share", "moves", "part", "speed")  # labels that say how data are collected
 
 
@@ -491,8 +492,10 @@ def test_the_recipe_that_is_judged_is_the_one_of_the_figures():
     chosen = {run.labels["timesteps"]: run.spec.training
               for run in experiments.runs("table_recipe", load_profile("laptop")) if run.labels["change"] == "chosen"}
     for figure in ("fig1_sparse", "table1_spatial_factors"):
-        for spec in experiments.specs(figure, load_profile("laptop")):
-            assert spec.training == chosen[spec.collection.timesteps]
+        for asked_for in experiments.runs(figure, load_profile("laptop")):
+            recipe = chosen[asked_for.spec.collection.timesteps]
+            steps = round(asked_for.labels.get("length", 1) * recipe.gradient_steps)
+            assert asked_for.spec.training == recipe.model_copy(update={"gradient_steps": steps})
 
 
 def test_generalization_tries_the_policies_of_table_2_at_their_own_grasps_and_in_motion():
@@ -516,7 +519,12 @@ def test_generalization_tries_the_policies_of_table_2_at_their_own_grasps_and_in
 def test_the_preliminary_figures_follow_the_papers_protocol(figure, protocol, points):
     specs = experiments.specs(figure, load_profile("laptop"))
     assert {spec.collection.protocol for spec in specs} == {protocol}
-    assert {(spec.evaluation.grid_side, spec.evaluation.points) for spec in specs} == {(12, points)}
+    on_grids = [spec for spec in specs if spec.evaluation.starts == "grid"]
+    assert {(spec.evaluation.grid_side, spec.evaluation.points) for spec in on_grids} == {(15, points), (12, points)}
+    anywhere = [spec for spec in on_grids if spec.collection.factors == "object+hand"]
+    for spec in anywhere:
+        assert spec.evaluation.factors == "object+hand" and spec.evaluation.fixed == spec.collection.fixed == "authors"
+        assert spec.collection.object_steps == {"static": None, "move": 35}[spec.method]
     assert len({spec.seed for spec in specs}) >= 3 and {spec.method for spec in specs} == {"static", "move"}
     assert {spec.observation for spec in specs} == {"rgb"}
 
@@ -524,11 +532,19 @@ def test_the_preliminary_figures_follow_the_papers_protocol(figure, protocol, po
 @pytest.mark.parametrize("figure", ["fig1_sparse", "fig3_dense", "fig5_circle"])
 def test_each_method_has_the_same_budgets_seeds_and_hand_starts(figure):
     def design(method):
-        return {(spec.collection.timesteps, spec.seed, spec.collection.hand_spread)
-                for spec in experiments.specs(figure, load_profile("laptop")) if spec.method == method}
+        return {(spec.collection.timesteps, spec.seed, results.hand_start(spec), spec.evaluation.grid_side)
+                for spec in experiments.specs(figure, load_profile("laptop"))
+                if spec.method == method and spec.evaluation.starts == "grid"}
 
     assert design("static") == design("move")
-    assert {spread for *_, spread in design("move")} == {experiments.HAND_SPREAD, 0.0}
+    assert {hand for _, _, hand, _ in design("move")} == {"anywhere", "within 3 cm", "one place"}
+
+
+def test_static_alone_says_how_long_to_train_where_hands_start_anywhere():
+    listed = experiments.runs("fig1_sparse", load_profile("laptop"))
+    own = [asked_for for asked_for in listed if asked_for.spec.evaluation.starts == "own"]
+    assert {(one.labels["length"], one.spec.seed) for one in own} == {(n, seed) for n in (1,) for seed in (0, 1)}
+    assert {(one.spec.method, results.hand_start(one.spec)) for one in own} == {("static", "anywhere")}
 
 
 def test_fewer_demonstrations_are_figure_1_with_two_and_five_at_a_place_and_its_own_runs_at_ten():
@@ -537,7 +553,7 @@ def test_fewer_demonstrations_are_figure_1_with_two_and_five_at_a_place_and_its_
     assert {spec.hash for spec in few if spec.collection.timesteps == 7000} <= {spec.hash for spec in figure_1}
     made = {spec.collection.timesteps: collect(spec.collection.model_copy(update={"observation": "keypoints"}), 0)[0]
             for spec in few if spec.method == "static" and spec.seed == 0}
-    assert {budget: round(data.episodes / 9) for budget, data in made.items()} == {1300: 2, 3250: 5, 7000: 11}
+    assert {budget: round(data.episodes / 9) for budget, data in made.items()} == {1550: 2, 3900: 5, 7000: 9}
 
 
 def test_without_gl_no_run_of_smoke_asks_for_images(monkeypatch):

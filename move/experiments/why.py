@@ -22,27 +22,24 @@ Share = Annotated[float, Field(ge=0, le=1, allow_inf_nan=False)]
 
 @experiment
 def fig_perception(
-    profile: Profile, timesteps: Count = 7000, table_timesteps: Count = 20_000, seeds: Count = 5,
-    fewer_seeds: Count = 3, grid_side: Count = 12, episodes: Count = 100,
-    observations: tuple[Observation, ...] = ("rgb", "keypoints"),
+    profile: Profile, timesteps: Count = 7000, table_timesteps: Count = 20_000, seeds: Count = 3,
+    grid_side: Count = 15, episodes: Count = 100, observations: tuple[Observation, ...] = ("rgb", "keypoints"),
 ) -> list[LabelledRun]:
     """Figures 1, 3 and 5 and table 1 from pixels and with perception given: what is left of the effect.
 
     The label `experiment` is such as "figure 1" or "table 1, all". Observations without a recipe in the profile are
     left out.
-
-    Args:
-        fewer_seeds: of figure 3 and of table 1.
     """
     runs: list[LabelledRun] = []
     for observation in [name for name in observations if name in profile.training]:
         for name, figure in PRELIMINARY.items():
-            dense = figure is fig3_dense
+            budget = (timesteps,) if figure is fig3_dense else timesteps
+            alone = {"lengths": ()} if figure is fig1_sparse else {}
             runs += [run.labelled(experiment=name) for run in figure(
-                profile, observation=observation, timesteps=(timesteps,) if dense else timesteps,
-                seeds=fewer_seeds if dense else seeds, identical_starts=0, grid_side=grid_side)]
+                profile, observation=observation, timesteps=budget, seeds=seeds, near_hands=0, identical_starts=0,
+                grid_side=grid_side, **alone)]
         runs += [run.labelled(experiment=f"table 1, {run.labels['factors']}") for run in table1_spatial_factors(
-            profile, observation=observation, timesteps=table_timesteps, seeds=fewer_seeds, episodes=episodes)]
+            profile, observation=observation, timesteps=table_timesteps, seeds=seeds, episodes=episodes)]
     return runs
 
 

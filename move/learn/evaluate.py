@@ -14,12 +14,16 @@ from typing import Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
+from move.choices import Place
 from move.learn.agents import Agent
 from move.learn.rollout import Rollout, roll_out
-from move.sim.configuration import SpatialConfiguration
+from move.sim.collect import hand_near
+from move.sim.collection import ANY_HAND
+from move.sim.configuration import SpatialConfiguration, Vector
 from move.sim.grasp_points import circle_points, sparse_points
 from move.sim.observe import KEYPOINTS, ObservationSpec
 from move.sim.scene.scene import Scene
+from move.sim.tasks.listed import listed_configurations
 from move.sim.tasks.task import Task
 
 CONFIGURATION_STREAM = 2  # first word of the seed of the configurations
@@ -32,21 +36,27 @@ class Evaluation(BaseModel):
     model_config = ConfigDict(frozen=True, strict=True, extra="forbid", validate_by_name=True, validate_by_alias=True,
                               serialize_by_alias=True, loc_by_alias=False)
 
-    starts: Literal["random", "moving", "grid", "own", "grasp"] = Field(
+    starts: Literal["random", "moving", "grid", "listed", "own", "grasp"] = Field(
         default="random", alias="layout",
         description="held-out random configurations; 'moving': the same, all in motion as for MOVE; a grid over the "
-        "object; or the policy's own demonstrations as they began ('own') or when they grasped ('grasp'). Stored JSON "
-        "calls it layout"
+        "object; the authors' list of 20; or the policy's own demonstrations as they began ('own') or when they "
+        "grasped ('grasp'). Stored JSON calls it layout"
     )
     episodes: int = Field(default=100, gt=0, le=10**5, description="number of configurations, unless they are a grid")
     grid_side: int = Field(default=12, gt=0, le=300, description="cells along a side of the grid")
-    factors: str = Field(default="all", description="what is random; a grid varies the object alone")
+    factors: str = Field(
+        default="all", description="what is random; a grid varies the object, and the hand where it is object+hand"
+    )
+    hand_within: float = Field(
+        default=0.0, ge=0, allow_inf_nan=False, description="metres; of a grid: what hand_spread is of a collection"
+    )
+    fixed: Place = Field(default="package", description="whose camera and target, where they are not random")
     points: Literal["none", "sparse", "circle"] = Field(default="none", description="grasp points tried besides a grid")
 
 
 @dataclass(frozen=True)
 class Start:
-    """One configuration to be tried; `group` is "random", "moving", "own", "grasp", "grid" or "point"."""
+    """One configuration to be tried; `group` is "random", "moving", "own", "grasp", "listed", "grid" or "point"."""
 
     group: str
     configuration: SpatialConfiguration
@@ -64,12 +74,20 @@ def starts(task: Task, evaluation: Evaluation, own: Sequence[SpatialConfiguratio
     if evaluation.starts in ("random", "moving"):
         rng = np.random.default_rng([CONFIGURATION_STREAM, *task.name.encode()])
         return [Start(evaluation.starts, task.sample(rng, evaluation.factors)) for _ in range(evaluation.episodes)]
-    places = {"none": [], "sparse": sparse_points(task), "circle": circle_points(task)}[evaluation.points]
-    return [
-        Start(group, replace(task.fixed, object_position=place))
-        for group, group_places in (("grid", grid(task, evaluation.grid_side)), ("point", places))
-        for place in group_places
-    ]
+    if evaluation.starts == "listed":
+        return [Start("listed", configuration) for configuration in listed_configurations(task)]
+    points = {"none": [], "sparse": sparse_points(task), "circle": circle_points(task)}[evaluation.points]
+    places = [("grid", place) for place in grid(task, evaluation.grid_side)] + [("point", place) for place in points]
+    return [Start(group, replace(task.fixed, object_position=place, hand_position=_hand(task, evaluation, index)))
+            for index, (group, place) in enumerate(places)]
+
+
+def _hand(task: Task, evaluation: Evaluation, index: int) -> Vector:
+    """Where the hand starts (metres) at one place of a grid: the same for every method and seed."""
+    rng = np.random.default_rng([CONFIGURATION_STREAM, index, *task.name.encode()])
+    if evaluation.factors == ANY_HAND:
+        return task.hand_range.sample(rng)
+    return hand_near(task, evaluation.hand_within, rng)
 
 
 def grid(task: Task, side: int) -> list[tuple[float, float, float]]:
@@ -107,6 +125,7 @@ def evaluate(
         step: a failed grasp is told from a missed target), steps; and the task's other conditions by their names, each
         whether it held at some step.
     """
+    task = task.variant(evaluation.fixed)
     listed, rows = starts(task, evaluation, own), []
     for first in range(0, len(listed), batch_size):
         batch = listed[first : first + batch_size]

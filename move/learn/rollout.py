@@ -67,7 +67,7 @@ def roll_out(
         first_index: the first configuration's in the whole list, on which an episode's motions depend.
     """
     seen = observation if agent.observation_horizon else KEYPOINTS
-    scenes = [Scene(task, seen.kind, seen.image_size) for _ in configurations]
+    scenes = [Scene(task, seen.kind, seen.image_size, drawing=seen.drawing) for _ in configurations]
     worlds = [scene if in_motion is None else with_motions(scene, Motions(), in_motion) for scene in scenes]
     rollouts = []
     for index in range(len(scenes)) if indices is None else indices:

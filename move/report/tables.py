@@ -67,15 +67,6 @@ def with_paper(table: pd.DataFrame, experiment: str, on: list[str], metric: str 
     return table.join(values, on=on)
 
 
-def by_hand_start(episodes: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """The episodes of policies whose demonstrations start with the hand elsewhere each time, and of the others.
-
-    They are never pooled: where the hand starts in one place, static demonstrations of a point are all the same.
-    """
-    apart = episodes.hand_spread > 0
-    return episodes[apart], episodes[~apart]
-
-
 def grasp_points(results: list[Result]) -> pd.DataFrame:
     """Where each demonstration of each run grasped the object: method, seed, object_x, object_y (metres)."""
     return pd.DataFrame([

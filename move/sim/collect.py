@@ -16,7 +16,7 @@ import gymnasium
 import numpy as np
 
 from move.errors import BadInput
-from move.sim.collection import Collection
+from move.sim.collection import ANY_HAND, Collection
 from move.sim.configuration import SpatialConfiguration, Vector, vector
 from move.sim.demonstrations import Demonstrations
 from move.sim.experts.phase import Expert, make_expert
@@ -24,6 +24,7 @@ from move.sim.grasp_points import grasp_point, motion_region
 from move.sim.motion.adc import Jumps, jumping_phases
 from move.sim.motion.wrappers import with_motions
 from move.sim.scene.scene import EPISODE_STEPS, SUCCESS_STEPS, Scene
+from move.sim.scene.shared_model import shared_world
 from move.sim.tasks import Task, get_task
 
 STREAM = 1  # first word of every collection seed: no other part of the package draws from it
@@ -74,7 +75,8 @@ class Episode:
 
 def collecting_env(collection: Collection) -> gymnasium.Env:
     """The scene of a collection with what its method moves around it; see `surrounded`."""
-    return surrounded(Scene(collection.task, collection.observation, collection.image_size), collection)
+    scene = Scene(collection.scene_task, collection.observation, collection.image_size, drawing=collection.drawing)
+    return surrounded(scene, collection)
 
 
 def surrounded(scene: Scene, collection: Collection) -> gymnasium.Env:
@@ -126,7 +128,7 @@ def attempts(collection: Collection, seed: int, env: gymnasium.Env | None = None
     Args:
         env: `collecting_env(collection)` with more wrapped around it, for a caller that watches.
     """
-    env, task = env or collecting_env(collection), get_task(collection.task)
+    env, task = env or collecting_env(collection), collection.scene_task
     expert = make_expert(collection.expert, task)
     attempt = kept = 0
     while True:
@@ -135,7 +137,7 @@ def attempts(collection: Collection, seed: int, env: gymnasium.Env | None = None
         episode = demonstrate(env, expert, attempt_seed(seed, attempt), options)
         if (point is not None and not _grasped_there(episode, point)) or episode.jumps < required_jumps(collection):
             episode = replace(episode, succeeded=False)
-        kept += episode.succeeded
+        kept += episode.succeeded or collection.keep_failures
         attempt += 1
         yield episode
 
@@ -151,14 +153,18 @@ def _start(collection: Collection, task: Task, point: Vector | None, seed: int) 
     """The reset options of an attempt that has to grasp at `point`, or that starts anywhere."""
     if point is None:
         return {"factors": collection.factors}
-    hand = hand_start(task, collection.hand_spread, seed)
+    rng = np.random.default_rng([seed, HAND])
+    anywhere = collection.factors == ANY_HAND
+    hand = task.hand_range.sample(rng) if anywhere else hand_near(task, collection.hand_spread, rng)
     return {"configuration": replace(task.fixed, object_position=point, hand_position=hand)}
 
 
-def hand_start(task: Task, spread: float, seed: int) -> Vector:
-    """Where the hand starts (metres): drawn from the box of half-side `spread` around the task's fixed hand."""
-    drawn = np.random.default_rng([seed, HAND]).uniform(-spread, spread, 3) if spread else (0.0, 0.0, 0.0)
-    return vector(fixed + aside for fixed, aside in zip(task.fixed.hand_position, drawn, strict=True))
+def hand_near(task: Task, spread: float, rng: np.random.Generator) -> Vector:
+    """A hand's start (metres) from the box of half-side `spread` around the task's fixed hand, within its limits."""
+    if not spread:
+        return task.fixed.hand_position
+    place, (low, high) = np.array(task.fixed.hand_position), np.array(shared_world(task).hand_limits)
+    return vector(place + rng.uniform(np.maximum(-spread, low - place), np.minimum(spread, high - place)))
 
 
 def _grasped_there(episode: Episode, point: Vector) -> bool:
@@ -210,10 +216,10 @@ def _collect(
     for episode in attempts(collection, seed, env):
         tried += 1
         failed_in_a_row = 0 if episode.succeeded else failed_in_a_row + 1
-        if episode.succeeded:
+        if episode.succeeded or collection.keep_failures:
             kept.add(episode)
             on_step(min(kept.total, collection.timesteps))
-        elif failed_in_a_row >= PATIENCE:
+        if failed_in_a_row >= PATIENCE:
             raise BadInput(f"{collection.task}, {collection.method}: {PATIENCE} attempts in a row failed")
         if kept.total >= collection.timesteps:
             break

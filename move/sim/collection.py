@@ -8,15 +8,16 @@ from typing import Annotated, Any, Literal, Self, get_args
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator, model_validator
 
-from move.choices import ExpertName, Method, Protocol, SpeedLaw
+from move.choices import Drawing, ExpertName, Method, Place, Protocol, SpeedLaw
 from move.sim.motion.adc import Jumping
 from move.sim.motion.wrappers import Motions, Part, movable
 from move.sim.observe import IMAGE_SIZE, ObservationKind, ObservationSpec
-from move.sim.tasks import FACTORS, TASKS, get_task
+from move.sim.tasks import FACTORS, TASKS, Task, get_task
 
 METHODS: tuple[str, ...] = get_args(Method)
 """All that exist; those of the paper are `move.paper.PAPER_METHODS`."""
 
+ANY_HAND = "object+hand"  # the factors under which a prescribed grasp is begun anywhere in the hand's range
 FASTEST = 0.3  # metres per step: across the object's range in one step
 FASTEST_TURN = math.radians(20)  # radians per step: a half circle in nine steps
 Speed = Annotated[float, Field(gt=0, le=FASTEST, allow_inf_nan=False)]
@@ -45,9 +46,17 @@ class Collection(BaseModel):
     expert: ExpertName = Field(default="phase", description="who demonstrates")
     motions: Motions = Field(default=Motions(), description="MOVE's motions before the choices below")
     jumping: Jumping = Field(default=Jumping(), description="when ADC's object and target jump")
+    keep_failures: bool = Field(default=False, description="whether failed demonstrations are kept too")
     hand_spread: float = Field(
-        default=0.0, ge=0, le=0.1, allow_inf_nan=False, description="metres; half-side of the box around the task's "
-        "fixed hand in which the hand starts where the grasp point is prescribed; 0: all start alike"
+        default=0.0, ge=0, allow_inf_nan=False, description="metres; half-side of the box around the task's fixed hand "
+        "in which the hand starts where the grasp point is prescribed, within the hand's limits; 0: all start alike"
+    )
+    fixed: Place = Field(default="package", description="whose camera and target, where they are not random")
+    drawing: Drawing = Field(
+        default="plain", description="of images; full: with shadows, reflections, sky and multisampling"
+    )
+    object_steps: int | None = Field(
+        default=None, gt=0, le=200, description="how long the object moves under MOVE, in steps; None: as the task says"
     )
     shares: tuple[tuple[Literal["static", "adc", "move"], Share], ...] = Field(
         default=(), description="of a mixture: each method's share of the timesteps, sum 1; a mapping may be given"
@@ -117,9 +126,14 @@ class Collection(BaseModel):
 
     @model_validator(mode="after")
     def _nothing_without_effect(self) -> Self:
-        if self.hand_spread and self.protocol == "random":
-            raise ValueError(f"hand_spread {self.hand_spread} with protocol 'random'; allowed there is 0, for the "
-                             "hand's start is one of the factors")
+        if self.hand_spread and (self.protocol == "random" or self.factors == ANY_HAND):
+            raise ValueError(f"hand_spread {self.hand_spread} with protocol {self.protocol!r} and factors "
+                             f"{self.factors!r}; allowed there is 0, for the hand's start is one of the factors")
+        if self.drawing != "plain" and self.observation != "rgb":
+            raise ValueError(f"drawing {self.drawing!r} with keypoints; allowed with rgb")
+        if self.object_steps is not None and "move" not in self.methods:
+            raise ValueError(f"object_steps is given for method {self.method!r}; allowed for 'move' only")
+        self.scene_task  # noqa: B018, refuses places that are not known
         if self.jumping != Jumping() and "adc" not in self.methods:
             raise ValueError(f"jumping is given for method {self.method!r}; allowed for 'adc' only")
         return self
@@ -142,7 +156,12 @@ class Collection(BaseModel):
     @property
     def observed(self) -> ObservationSpec:
         """What is kept of each timestep, with the size of an image."""
-        return ObservationSpec(self.observation, self.image_size)
+        return ObservationSpec(self.observation, self.image_size, self.drawing)
+
+    @property
+    def scene_task(self) -> Task:
+        """The task with the places and the steps of this collection."""
+        return get_task(self.task).variant(self.fixed, self.object_steps)
 
     @property
     def methods(self) -> tuple[str, ...]:
@@ -166,7 +185,7 @@ class Collection(BaseModel):
     def _part(self, method: str, timesteps: int) -> Collection:
         changes: dict[str, Any] = {"method": method, "timesteps": timesteps, "shares": ()}
         if method != "move":
-            changes |= {"motions": Motions(), **dict.fromkeys(MOTION_CHOICES)}
+            changes |= {"motions": Motions(), "object_steps": None, **dict.fromkeys(MOTION_CHOICES)}
         if method != "adc":
             changes["jumping"] = Jumping()
         return self.model_copy(update=changes)

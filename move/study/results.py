@@ -19,6 +19,7 @@ import pandas as pd
 
 from move.errors import BadInput
 from move.files import written_aside
+from move.sim.tasks import FACTORS
 from move.study.labels import Label
 from move.study.spec import RESULTS_VERSION, RunSpec, run_spec_from_json
 from move.study.stored import refuse_other_content
@@ -171,11 +172,23 @@ def table(results: list[Result]) -> pd.DataFrame:
             timesteps=result.spec.collection.timesteps if result.spec.collection else 0,
             factors=result.spec.evaluation.factors,
             hand_spread=result.spec.collection.hand_spread if result.spec.collection else 0.0,
+            hand=hand_start(result.spec),
             seed=result.spec.seed,
         )
         for result in results
     ]
     return pd.concat(frames, ignore_index=True) if frames else pd.DataFrame()
+
+
+def hand_start(spec: RunSpec) -> str:
+    """Where the hand starts in a run's demonstrations, in words: "anywhere", "within 3 cm" or "one place".
+
+    Of a run without demonstrations where it starts in the evaluation.
+    """
+    made = spec.collection
+    if "hand" in FACTORS[made.factors if made else spec.evaluation.factors]:
+        return "anywhere"
+    return f"within {100 * made.hand_spread:g} cm" if made and made.hand_spread else "one place"
 
 
 def _episodes(result: Result) -> pd.DataFrame:

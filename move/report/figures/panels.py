@@ -29,10 +29,10 @@ def seed_dot() -> Line2D:
     return Line2D([], [], ls="none", marker="o", ms=3.5, color="black", mfc="white", mew=0.6, label="a seed")
 
 
-def legend_below(ax: Axes, more: Sequence[Line2D] = (), columns: int = 2) -> None:
-    """The legend of one panel under its axis, outside of the marks."""
+def legend_below(ax: Axes, more: Sequence[Line2D] = (), columns: int = 2, lines: int = 1) -> None:
+    """The legend of one panel under its axis, outside of the marks and of tick labels of so many lines."""
     handles, _ = ax.get_legend_handles_labels()
-    ax.legend(handles=[*handles, *more], ncol=columns, loc="upper center", bbox_to_anchor=(0.5, -0.14))
+    ax.legend(handles=[*handles, *more], ncol=columns, loc="upper center", bbox_to_anchor=(0.5, -0.02 - 0.12 * lines))
 
 
 def methods_and_seeds(figure: Figure, rates: pd.DataFrame) -> None:

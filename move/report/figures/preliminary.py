@@ -15,17 +15,17 @@ from move.report.style import PAGE_WIDTH, titles
 from move.sim.grasp_points import CIRCLE
 
 
-def fig1_sparse(episodes: pd.DataFrame, whole: pd.DataFrame) -> Figure:
-    """Two maps and the rates over the whole space.
+def fig1_sparse(episodes: pd.DataFrame, by_hand: pd.DataFrame) -> Figure:
+    """Two maps, and the rates over the whole space by where the hand starts.
 
     Args:
-        episodes: of static and MOVE, on a grid and at the grasp points.
-        whole: as `plots.rates` takes it.
+        episodes: of static and MOVE with the hand anywhere, on a grid and at the grasp points.
+        by_hand: as `plots.grouped_rates` takes it, with the column hand.
     """
-    figure, axes = plt.subplots(1, 3, figsize=(PAGE_WIDTH, 2.3), width_ratios=[1, 1, 0.75])
+    figure, axes = plt.subplots(1, 3, figsize=(PAGE_WIDTH, 2.3), width_ratios=[1, 1, 1.1])
     _maps(episodes, axes[:2])
-    _rates_with_legend(whole, axes[2])
-    titles(axes, ["static", "MOVE", "whole space"])
+    _by_hand(by_hand, axes[2])
+    titles(axes, ["static", "MOVE", "whole space, by the hand's start"])
     return figure
 
 
@@ -39,12 +39,14 @@ def _maps(episodes: pd.DataFrame, axes: Sequence[Axes]) -> None:
         else:
             empty_panel("missing", ax)
     axes[1].set_ylabel("")
-    maps.seeds_bar(mesh, axes, episodes.seed.nunique())
+    if len(episodes):
+        maps.seeds_bar(mesh, axes, episodes.seed.nunique())
 
 
-def _rates_with_legend(whole: pd.DataFrame, ax: Axes) -> None:
-    plots.rates(whole, ax)
-    legend_below(ax, [seed_dot()])
+def _by_hand(rates: pd.DataFrame, ax: Axes) -> None:
+    names = {"anywhere": "any-\nwhere", "within 3 cm": "within\n3 cm", "one place": "one\nplace"}
+    plots.grouped_rates(rates, "hand", [names[hand] for hand in rates.hand.unique()], ax)
+    legend_below(ax, [seed_dot()], 2, lines=2)
 
 
 def few_demonstrations(at_points: pd.DataFrame, whole: pd.DataFrame) -> Figure:
@@ -63,39 +65,42 @@ def few_demonstrations(at_points: pd.DataFrame, whole: pd.DataFrame) -> Figure:
     return figure
 
 
-def fig3_dense(episodes: pd.DataFrame, grasped: pd.DataFrame, whole: pd.DataFrame, by_budget: pd.DataFrame) -> Figure:
-    """Two maps with the grasps over them, the rates over the whole space, and the rates at smaller budgets.
+def fig3_dense(episodes: pd.DataFrame, grasped: pd.DataFrame, by_hand: pd.DataFrame, by_budget: pd.DataFrame) -> Figure:
+    """Two maps with the grasps over them, the rates by where the hand starts, and the rates at smaller budgets.
 
     Args:
         grasped: method, object_x, object_y of the demonstrations' grasps (metres).
+        by_hand: as `plots.grouped_rates` takes it, with the column hand.
         by_budget: as `plots.curve` takes it, with the column timesteps.
     """
-    figure, axes = plt.subplots(1, 4, figsize=(PAGE_WIDTH, 2.1), width_ratios=[1, 1, 0.62, 0.8])
+    figure, axes = plt.subplots(1, 4, figsize=(PAGE_WIDTH, 2.1), width_ratios=[1, 1, 0.9, 0.8])
     _maps(episodes, axes[:2])
     for ax, method in zip(axes, ("static", "move"), strict=False):
-        maps.grasps(grasped[grasped.method == method], ax)
-    _rates_with_legend(whole, axes[2])
+        if ax.axison:  # there is a map
+            maps.grasps(grasped[grasped.method == method], ax)
+    _by_hand(by_hand, axes[2])
     plots.curve(by_budget, "timesteps", "timesteps", axes[3], log=True)
     axes[3].set_ylabel("")
     axes[3].legend(loc="lower right")
-    titles(axes, ["static", "MOVE", "whole space", "by budget"])
+    titles(axes, ["static", "MOVE", "by the hand's start", "by budget"])
     return figure
 
 
-def fig5_circle(episodes: pd.DataFrame, rates: pd.DataFrame) -> Figure:
-    """Two maps with the circle over them, and the rates inside and outside of it.
+def fig5_circle(episodes: pd.DataFrame, by_hand: pd.DataFrame) -> Figure:
+    """Two maps with the circle over them, and the rates inside and outside of it by where the hand starts.
 
     Args:
-        rates: as `plots.grouped_rates` takes it, with the column where.
+        by_hand: as `plots.grouped_rates` takes it, with the columns hand and where (NaN where both are missing).
     """
-    figure, axes = plt.subplots(1, 3, figsize=(PAGE_WIDTH, 2.3), width_ratios=[1, 1, 0.95])
+    figure, axes = plt.subplots(1, 4, figsize=(PAGE_WIDTH, 2.1), width_ratios=[1, 1, 0.8, 0.8])
     _maps(episodes, axes[:2])
     for ax in axes[:2]:
         if ax.axison:  # there is a map
             maps.circle(CIRCLE, ax)
-    plots.grouped_rates(rates, "where", list(rates["where"].unique()), axes[2])
-    legend_below(axes[2], [seed_dot()], 2)
-    titles(axes, ["static", "MOVE", "in and out of the circle"])
+    for ax, where in zip(axes[2:], ("inside", "outside"), strict=True):
+        _by_hand(by_hand[(by_hand["where"] == where) | by_hand["where"].isna()], ax)
+    axes[3].set_ylabel("")
+    titles(axes, ["static", "MOVE", "inside", "outside"])
     return figure
 
 

@@ -9,7 +9,7 @@ curves   over budgets, speeds, lengths of training, seeds
 points   differences, factors, tasks side by side, coverage
 """
 
-from move.report.plots.axes import log_ticks, short
+from move.report.plots.axes import log_ticks, points_axis, short
 from move.report.plots.bars import cost_entries, costs, grouped_rates, ladder, rates, share_interval, verdicts
 from move.report.plots.curves import (
     coverages,
@@ -37,6 +37,6 @@ from move.report.plots.points import (
 __all__ = [
     "READINGS", "changes", "cost_entries", "costs", "coverages", "covered", "curve", "efficiencies", "entries", "gains",
     "differences", "grouped_rates", "half_widths", "ladder", "level", "log_ticks", "own_and_elsewhere",
-    "own_and_elsewhere_entries", "printed_points", "rates", "readings", "reference", "reference_entry",
+    "own_and_elsewhere_entries", "points_axis", "printed_points", "rates", "readings", "reference", "reference_entry",
     "share_interval", "short", "task_rates", "verdicts",
 ]

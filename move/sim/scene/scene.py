@@ -18,6 +18,7 @@ import mujoco
 import numpy as np
 from gymnasium.spaces import Box as BoxSpace
 
+from move.choices import Drawing
 from move.errors import BadInput
 from move.machine import gl_problem
 from move.sim.configuration import SpatialConfiguration, Vector, vector
@@ -59,6 +60,7 @@ class Scene(Readable, gymnasium.Env):
         image_size: pixels along each side of an image.
         render_mode: None or "rgb_array".
         factors: what a reset draws unless its options say otherwise: a key of `move.sim.tasks.FACTORS`.
+        drawing: of images: "plain", or "full" with shadows, reflections, sky and multisampling.
 
     Raises:
         BadInput: an unknown name, an impossible size, or "rgb" without a GL library.
@@ -67,14 +69,15 @@ class Scene(Readable, gymnasium.Env):
     metadata = {"render_modes": list(RENDER_MODES), "render_fps": 80}
 
     def __init__(self, task: str | Task = DEFAULT_TASK, observation: str = "keypoints", image_size: int = IMAGE_SIZE,
-                 render_mode: str | None = None, factors: str = "all") -> None:
+                 render_mode: str | None = None, factors: str = "all", drawing: Drawing = "plain") -> None:
         checks.one_of("observation", observation, OBSERVATIONS)
         checks.one_of("render_mode", render_mode, (None, *RENDER_MODES))
         checks.one_of("factors", factors, FACTORS)
+        checks.one_of("drawing", drawing, get_args(Drawing))
         task, self._target = task if isinstance(task, Task) else get_task(task), np.zeros(3)
         super().__init__(task, shared_world(task), self._target)
         self.observation, self.image_size, self.render_mode = observation, checks.picture_side(image_size), render_mode
-        self.factors = factors
+        self.factors, self.drawing = factors, drawing
         self._mocap: list[float] = []  # the hand's goal, metres; nothing before the first reset
         self._keypoint_names = keypoint_names(self.task.keypoints)
         self.keypoint_slices = keypoint_slices(self.task.keypoints)
@@ -154,7 +157,7 @@ class Scene(Readable, gymnasium.Env):
         self._load_state()
         numbers = checks.action_numbers(action, self.task.action_size)
         dx, dy, dz, command, *turn = (min(1.0, max(-1.0, value)) for value in numbers)
-        low, high = self._world.hand_low, self._world.hand_high
+        low, high = self._world.hand_limits
         for axis, change in enumerate((dx, dy, dz)):
             self._mocap[axis] = min(high[axis], max(low[axis], self._mocap[axis] + HAND_STEP * change))
         self._data.mocap_pos[0] = self._mocap
@@ -244,7 +247,7 @@ class Scene(Readable, gymnasium.Env):
     @property
     def hand_limits(self) -> tuple[Vector, Vector]:
         """Lowest and highest position of the hand's goal, metres."""
-        return tuple(self._world.hand_low), tuple(self._world.hand_high)
+        return self._world.hand_limits
 
     @property
     def configuration(self) -> SpatialConfiguration:
@@ -264,7 +267,7 @@ class Scene(Readable, gymnasium.Env):
         """The camera's image, shape (size, size, 3), uint8."""
         self._load_state()
         mujoco.mj_camlight(self._model, self._data)
-        return self._world.renderer(size).render(self._data, self._configuration.camera_angle)
+        return self._world.renderer(size, self.drawing).render(self._data, self._configuration.camera_angle)
 
     def refresh(self) -> np.ndarray:
         """The observation after something was moved between steps."""

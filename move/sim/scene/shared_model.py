@@ -9,7 +9,8 @@ import mujoco
 import numpy as np
 from metaworld.env_dict import ALL_V3_ENVIRONMENTS
 
-from move.sim.configuration import Vector
+from move.choices import Drawing
+from move.sim.configuration import Vector, vector
 from move.sim.geometry import turned
 from move.sim.observe import Renderer
 from move.sim.tasks.task import MovableBody, Task
@@ -33,17 +34,17 @@ class World:
         environment.reset()
         self.model.site_pos[:] = sites  # Meta-World's reset writes world coordinates into sites of moved bodies
         self.start = environment.init_qpos.copy()
-        self.hand_low, self.hand_high = environment.mocap_low.tolist(), environment.mocap_high.tolist()
+        self.hand_limits = vector(environment.mocap_low), vector(environment.mocap_high)  # of the hand's goal, metres
         self.active_scene: object | None = None
         self.sides = self._contact_sides(task)
         self._addresses: dict[str, tuple[int, int]] = {}
-        self._renderers: dict[int, Renderer] = {}
+        self._renderers: dict[tuple[int, Drawing], Renderer] = {}
 
-    def renderer(self, size: int) -> Renderer:
-        """The renderer for images of `size` pixels, made once."""
-        if size not in self._renderers:
-            self._renderers[size] = Renderer(self.model, size)
-        return self._renderers[size]
+    def renderer(self, size: int, drawing: Drawing = "plain") -> Renderer:
+        """The renderer for images of `size` pixels drawn in one way, made once."""
+        if (size, drawing) not in self._renderers:
+            self._renderers[size, drawing] = Renderer(self.model, size, drawing)
+        return self._renderers[size, drawing]
 
     def free_joint(self, body: str) -> tuple[int, int]:
         """Where the free joint of `body` stands in the positions and in the velocities."""

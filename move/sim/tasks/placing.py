@@ -30,6 +30,7 @@ PICK_PLACE = Task(
     success=near("body:obj", "target", 0.07),
     fixed=fixed((-0.05, 0.65, 0.02), (0.1, 0.85, 0.2)),
     manipulation=GraspParameters(straight("body:obj"), offset=(-0.005, 0.0, 0.0), patience=30),
+    authors_fixed=fixed((-0.05, 0.65, 0.02), (0.0, 0.85, 0.2), math.atan2(0.295 - 0.6, 0.6)),  # camera (.6, .295, .8) m
 )
 
 

@@ -11,6 +11,7 @@ SIDE = (-math.pi / 3, 2 * math.pi / 3)  # camera angles
 WRENCH = ("site:RoundNut", "site:RoundNut-8", "body:peg+0,0,0.05")  # keypoints: ring, handle, top of the peg
 
 
-def fixed(object_position: Vector, target_position: Vector = NO_TARGET.low) -> SpatialConfiguration:
-    """What stands where while it is not randomised (metres): Meta-World's hand, the camera at 60 degrees."""
-    return SpatialConfiguration(object_position, target_position, (0.0, 0.6, 0.2), math.pi / 3)
+def fixed(object_position: Vector, target_position: Vector = NO_TARGET.low, camera_angle: float = math.pi / 3
+          ) -> SpatialConfiguration:
+    """What is where while it is not random (metres): Meta-World's hand, the camera at 60 degrees (radians)."""
+    return SpatialConfiguration(object_position, target_position, (0.0, 0.6, 0.2), camera_angle)

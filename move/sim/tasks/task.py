@@ -7,10 +7,12 @@ of them. The ten tasks of the paper are in `move.sim.tasks`.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
+from move.choices import Place
 from move.errors import BadInput
 from move.sim.configuration import Box, SpatialConfiguration, Vector
 from move.sim.tasks.feasibility import Reachable, anywhere
@@ -19,11 +21,13 @@ from move.sim.tasks.transport import Transport
 
 FACTORS = {
     "object": frozenset({"object"}),
+    "object+hand": frozenset({"object", "hand"}),
     "object+target": frozenset({"object", "target", "hand"}),
     "all": frozenset({"object", "target", "hand", "camera"}),
 }
-"""The settings of Table 1: which parts of the configuration are random; the others stay at the task's fixed ones.
-The object's yaw, where a task has one, goes with the object; the hand's start goes with the target."""
+"""Which parts of the configuration are random; the others stay at the task's fixed ones. Table 1 has all but the
+second, which the grasp-point experiments have. The object's yaw, where a task has one, goes with the object; in table 1
+the hand's start goes with the target."""
 
 MAX_CANDIDATES = 1000
 
@@ -120,6 +124,7 @@ class Task:
     recorded: tuple[tuple[str, Success], ...] = ()  # other conditions by name, recorded next to success
     version: int = 1  # raised whenever what decides the task's runs changes; it makes their hashes new
     timesteps: int = 20_000  # Table 5
+    authors_fixed: SpatialConfiguration | None = None  # `fixed` in the authors' code, where that is another
 
     @property
     def action_size(self) -> int:
@@ -140,6 +145,19 @@ class Task:
     def grasps(self) -> bool:
         """Whether the pick phase ends with a grasp; otherwise it ends with the first touch."""
         return isinstance(self.manipulation, GraspParameters)
+
+    def variant(self, fixed: Place = "package", object_steps: int | None = None) -> Task:
+        """This task with what is not random where the authors have it, or with its object moving for other steps.
+
+        Raises:
+            BadInput: the authors' places are not known for this task.
+        """
+        if fixed == "authors" and self.authors_fixed is None:
+            raise BadInput(f"fixed: 'authors' given for {self.name}, whose places are not known; allowed: package")
+        changes: dict[str, Any] = {} if object_steps is None else {"object_steps": object_steps}
+        if fixed == "authors":
+            changes["fixed"] = self.authors_fixed
+        return replace(self, **changes) if changes else self
 
     def budget(self, most_timesteps: int) -> int:
         """The paper's budget of a data set (table 5), but at most `most_timesteps`, in timesteps."""
