@@ -38,5 +38,6 @@ def test_a_damaged_record_of_episodes_is_one_clear_line(content, tmp_path, monke
     path = tmp_path / "policies" / spec.policy_hash / policies.EPISODES
     path.parent.mkdir(parents=True)
     save_file(content, path) if isinstance(content, dict) else path.write_bytes(content)
+    policies.seal(spec, path.parent)
     with pytest.raises(BadInput, match=r"episodes.safetensors: .*; allowed is what tools/record_episodes.py writes"):
         policies.recorded_episodes(spec, LAPTOP)
