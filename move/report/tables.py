@@ -181,6 +181,20 @@ def floors_and_ceilings(episodes: pd.DataFrame) -> pd.DataFrame:
     return controls.pivot_table("success", "task", "method", aggfunc="mean", sort=False)
 
 
+def with_level(rates: pd.DataFrame, controls: pd.DataFrame) -> pd.DataFrame:
+    """`rates` with a column `level`: where a rate lies from what a goal-blind expert scores (0) to the expert (1).
+
+    A policy that ignores the target is near 0, however often that succeeds by chance; below it lies one that does not
+    get so far. NaN for a task without a target, or where a control is missing.
+
+    Args:
+        rates: with the columns task and value.
+        controls: as `floors_and_ceilings` gives them.
+    """
+    blind, expert = (rates.task.map(controls[name] if name in controls else {}) for name in ("goal-blind", "expert"))
+    return rates.assign(level=(rates.value - blind) / (expert - blind))
+
+
 def with_missing(rates: pd.DataFrame, runs: list[LabelledRun], by: list[str]) -> pd.DataFrame:
     """`rates` with a row for everything that `runs` were to tell, NaN where it is missing, in the order of the runs.
 
