@@ -8,7 +8,7 @@ import pandas as pd
 from move import paper
 from move.errors import BadInput
 from move.paper import PAPER_METHODS, PAPER_TASKS
-from move.report.printed import ABSENT, readable, shown
+from move.report.printed import ABSENT, as_markdown, readable, shown
 from move.report.style import NAMES
 from move.sim.collection import METHODS
 from move.sim.tasks import TASKS
@@ -21,7 +21,7 @@ from move.study.profiles import Profile
 from move.study.results import Result
 from move.study.spec import CollectionRun, PolicyRun
 
-__all__ = ["inside_and_outside", "readable", "shown"]  # besides what stands here: one place for a notebook's tables
+__all__ = ["as_markdown", "inside_and_outside", "readable", "shown"]  # besides what stands here: a notebook's tables
 
 
 def rate_table(episodes: pd.DataFrame, by: list[str], known: TrainingNoise = UNKNOWN) -> pd.DataFrame:
