@@ -115,11 +115,11 @@ def only_alike(folder: Path) -> Iterator[None]:
         BadInput: another process writes there, with other ones.
     """
     own = hashlib.sha256(repr(sorted(deciding().items())).encode()).hexdigest()[:16]
-    mark = FileLock(folder / f".{own}.{HOST}.{os.getpid()}.{uuid4().hex[:8]}.writing")
+    mark = FileLock(folder / f".{own}.{HOST}.{os.getpid()}.{uuid4().hex[:8]}.writing", mode=0o666)
     with mark:
         try:
-            for name in [path.name for path in folder.glob(".*.writing")]:
-                if (found := WRITING.fullmatch(name)) and found[1] != own and _is_held(folder / name):
+            for path in set(folder.glob(".*.writing")) - {Path(mark.lock_file)}:
+                if (found := WRITING.fullmatch(path.name)) and _is_held(path) and found[1] != own:
                     raise BadInput(f"results: process {found[3]} of {found[2]} is writing to {folder} with another "
                                    "source or other versions of packages; allowed is a folder of its own, or after it")
             yield
@@ -130,7 +130,7 @@ def only_alike(folder: Path) -> Iterator[None]:
 def _is_held(path: Path) -> bool:
     """Whether a process holds a lock; what nobody holds is removed."""
     try:
-        with FileLock(path, timeout=0):
+        with FileLock(path, timeout=0, mode=0o666):
             path.unlink(missing_ok=True)
         return False
     except Timeout:
