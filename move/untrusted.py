@@ -144,13 +144,13 @@ def read_text(path: Path) -> str:
 
 
 def parse_json(text: str | bytes, where: object) -> dict[str, Any]:
-    """Parse a JSON object that is not nested too deep.
+    """Parse a JSON object that is not nested too deep, each of its keys once.
 
     Raises:
         BadInput: something else.
     """
     with reading(str(where), "JSON"):
-        content = json.loads(text)
+        content = json.loads(text, object_pairs_hook=_each_key_once)
         if not isinstance(content, dict):
             raise BadInput(f"cannot read {where}: expected a JSON object; found a JSON {type(content).__name__}")
         level: list[Any] = [content]
@@ -160,6 +160,16 @@ def parse_json(text: str | bytes, where: object) -> dict[str, Any]:
             level = [inner for value in level for inner in (value.values() if isinstance(value, dict) else value)
                      if isinstance(inner, dict | list)]
         return content
+
+
+def _each_key_once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """A JSON object of its keys and values, of which Python alone would keep the last of equal keys."""
+    content: dict[str, Any] = {}
+    for key, value in pairs:
+        if key in content:
+            raise ValueError(f"the key {key[:60]!r} is given twice")
+        content[key] = value
+    return content
 
 
 def read_json(path: Path, expected: str) -> dict[str, Any]:

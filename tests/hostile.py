@@ -251,6 +251,10 @@ INFO = {
     "features a list": ({"features": ["x"]}, "features"), "feature a text": ({"features": {"action": "x"}}, "features"),
     "no features": ({"features": None}, "features"), "data path a number": ({"data_path": 5}, "data_path"),
     "data path a list": ({"data_path": ["x"]}, "data_path"), "fps a text": ({"fps": "fast"}, "fps"),
+    "fps true": ({"fps": True}, "fps"),
+    "chunks size true": ({"chunks_size": True}, "chunks_size"),
+    "a robot with markup": ({"robot_type": "piper<img src=x>"}, "markup"),
+    "a robot turned round": ({"robot_type": "piper\u202eabc"}, "control characters"),
     "fps below 0": ({"fps": -1}, "fps"), "video path a mapping": ({"video_path": {}}, "video_path"),
     "version a number": ({"codebase_version": 2.1}, "codebase_version"),
     "a name as a number": ({"video_path": "videos/{video_key:03d}.mp4"}, "as a number"),
@@ -297,10 +301,14 @@ def worded(name: str, text: str) -> Callable[[Path], Path]:
 for text_name, (text, text_word) in TEXTS.items():
     REAL[f"info.json: {text_name}"] = (text_word, worded("meta/info.json", text))
 for text_name, (text, text_word) in {
-        "a list": ("[1]", "JSON list"), "a text for a length": ('{"episode_index": 0, "length": "x"}', "episode_index"),
+        "a list": ("[1]", "JSON list"), "a text for a length": ('{"episode_index": 0, "length": "x"}', "length is 'x'"),
         "a huge length": (f'{{"episode_index": 0, "length": {10**400}}}', "rows"),
         "a huge number": (f'{{"episode_index": {10**4000}, "length": 1}}', "characters"),
-        "endless": ('{"episode_index": 1e999, "length": 1}', "OverflowError"),
+        "endless": ('{"episode_index": 1e999, "length": 1}', "whole number"),
+        "a part of a length": ('{"episode_index": 0, "length": 5.5}', "whole number"),
+        "true for a number": ('{"episode_index": true, "length": 6}', "whole number"),
+        "one twice": ('{"episode_index": 0, "length": 6}\n' * 2, "episode 0 is listed twice"),
+        "a key twice": ('{"episode_index": 0, "length": 6, "length": 7}', "'length' is given twice"),
         "too many": ('{"episode_index": 0, "length": 1}\n' * 100_001, "episodes"),
 }.items():
     REAL[f"episodes.jsonl: {text_name}"] = (text_word, worded("meta/episodes.jsonl", text))
@@ -310,7 +318,16 @@ for text_name, text in {"a text": '"x"', "0": "0", "endless": "1e999", "huge": s
         "metres_per_pixel", worded("SIMULATED.json", f'{{"simulated": true, "metres_per_pixel": {text}}}'))
 
 
-@hostile("file name")
+@hostile("episode 1 is listed twice")
+def episodes_table_with_one_twice(folder):
+    w.lerobot_v3(folder)
+    path = folder / "meta/episodes/chunk-000/file-000.parquet"
+    rows = pq.read_table(path)
+    pq.write_table(pa.concat_tables([rows, rows.slice(1, 1)]), path)
+    return folder
+
+
+@hostile("name 'aaaa.* has 5000 characters")
 def very_long_name_in_a_template(folder):
     return informed({"data_path": "a" * 5000})(folder)
 
@@ -336,9 +353,21 @@ def parquet_row_of_10000_numbers(folder):
     return table(folder, {"action": one_row_of_many(10_000)})
 
 
-@hostile("holds none of")
+@hostile("expected numbers")
 def parquet_texts_for_numbers(folder):
     return table(folder, {"observation.state": ["1", "2"], "action": [["x"], ["y"]]})
+
+
+@hostile("expected numbers")
+def parquet_of_time_as_text(folder):
+    w.lerobot_v2(folder, episodes=1)
+    w.change_table(folder / TABLE, timestamp=[f"0.{n}" for n in range(w.STEPS)])
+    return folder
+
+
+@hostile("expected numbers")
+def parquet_of_true_and_false(folder):
+    return table(folder, {"observation.state": pa.array([[True] * 7] * 6)})
 
 
 @hostile("at least one timestep")
@@ -481,7 +510,61 @@ def sensed(text: str) -> Callable[[Path], Path]:
 
 REAL["a reading that is a list"] = ("JSON list", sensed("[1]"))
 REAL["a reading without its value"] = ("KeyError", sensed("{}"))
+REAL["a reading of true and false"] = ("expected numbers", sensed('{"position": [true, 0, 0, 0, 0, 0, 0]}'))
+REAL["a reading with a key twice"] = ("given twice", sensed('{"position": [1], "position": [2]}'))
 REAL["a reading of texts"] = ("expected", sensed('{"position": ["a"]}'))
+
+
+# names that a reader would see ---------------------------------------------------------------------------------------
+
+NAMES = {"an image": "static<img src=x onerror=alert(1)>", "an entity": "static&lt;b", "a quote": 'static"x',
+         "an apostrophe": "static'x", "a backtick": "static`x", "an escape": "static\x1b[31m", "a line": "static\nx",
+         "a turn": "static\u202ex", "nothing seen": "static\u200bx"}
+
+
+def named(part: str) -> Callable[[Path], Path]:
+    """A LeRobot v2.1 data set in a folder of that name."""
+    def make(folder: Path) -> Path:
+        w.lerobot_v2(folder / part)
+        return folder
+
+    return make
+
+
+for odd_name, odd in NAMES.items():
+    REAL[f"part with {odd_name}"] = ("markup", named(odd))
+
+
+@hostile("markup")
+def folder_with_markup(folder):
+    return w.act_hdf5(folder.parent / "set<b>")
+
+
+@hostile("markup")
+def hdf5_camera_with_markup(folder):
+    return act(folder, lambda file: file.create_dataset("observations/images/<script>", (6, 4, 4, 3), np.uint8))
+
+
+@hostile("markup")
+def zarr_array_with_markup(folder):
+    path = store(folder)
+    shutil.copytree(path / "data/action", path / "data/<i>")
+    return path
+
+
+@hostile("markup")
+def action_names_with_markup(folder):
+    features = w.info("v2.1")["features"]
+    features["action"]["names"] = ["<b>", *w.NAMES[1:]]
+    return informed({"features": features})(folder)
+
+
+@hostile("markup")
+def feature_with_markup(folder):
+    w.lerobot_v2(folder)
+    features = w.info("v2.1", cameras={"observation.images.<script>": "image"})["features"]
+    w.change_json(folder / "meta/info.json", features=features)
+    return folder
 
 
 # zarr: what both readers refuse ---------------------------------------------------------------------------------------
@@ -588,6 +671,13 @@ def attributes_of_17_MB(folder):
     return path
 
 
+@both("given twice")
+def description_with_a_key_twice(folder):
+    place = store(folder) / "data/action/.zarray"
+    place.write_text(place.read_text().replace('{', '{"shape": [3, 4],', 1))
+    return folder / "replay_buffer.zarr"
+
+
 @both("complex numbers")
 def complex_actions(folder):
     return store(folder, action=np.ones((6, 4), np.complex64))
@@ -651,6 +741,11 @@ def ends_that_are_no_whole_numbers(folder):
     shutil.rmtree(path / "meta/episode_ends")
     zarr.open_group(path, mode="a", zarr_format=2).create_array("meta/episode_ends", data=np.array([4.5, 6]))
     return path
+
+
+@hostile("expected real numbers")
+def joints_of_true_and_false(folder):
+    return store(folder, robot_joint=np.ones((6, 6), bool))
 
 
 @hostile("columns")

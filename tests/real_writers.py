@@ -2,6 +2,7 @@
 
 import io
 import json
+from fractions import Fraction
 from pathlib import Path
 
 import av
@@ -42,7 +43,7 @@ def pose(steps: int = STEPS) -> np.ndarray:
 def picture(number: int, height: int = 16, width: int = 24) -> np.ndarray:
     """Red grows with the number, blue is low: tells frames and channel orders apart."""
     image = np.zeros((height, width, 3), np.uint8)
-    image[..., 0], image[..., 1], image[..., 2] = 40 + 30 * number, 60, 10
+    image[..., 0], image[..., 1], image[..., 2] = min(40 + 30 * number, 255), 60, 10
     return image
 
 
@@ -53,18 +54,51 @@ def jpeg(number: int) -> bytes:
     return buffer.getvalue()
 
 
-def write_video(path: Path, numbers, codec: str = "libx264", size: tuple[int, int] = (64, 64), fps: int = 10) -> Path:
-    """Encode `picture(n)` for each n."""
+def write_video(path: Path, numbers, codec: str = "libx264", size: tuple[int, int] = (64, 64), fps: int = 10,
+                draw=picture, times_s=None) -> Path:
+    """Encode `draw(n, *size)` for each n, at a steady rate or at the given times (s)."""
     path.parent.mkdir(parents=True, exist_ok=True)
+    unit = Fraction(1, 30_000)
     with av.open(str(path), "w") as container:
         stream = container.add_stream(
             codec, rate=fps, options={"g": "2", "crf": "20"} | ({"preset": "12"} if codec == "libsvtav1" else {}))
         stream.height, stream.width, stream.pix_fmt = *size, "yuv420p"
-        for number in numbers:
-            for packet in stream.encode(av.VideoFrame.from_ndarray(picture(number, *size), format="rgb24")):
+        if times_s is not None:
+            stream.codec_context.time_base = unit
+        for place, number in enumerate(numbers):
+            frame = av.VideoFrame.from_ndarray(draw(number, *size), format="rgb24")
+            if times_s is not None:
+                frame.pts, frame.time_base = round(times_s[place] / unit), unit
+            for packet in stream.encode(frame):
                 container.mux(packet)
         for packet in stream.encode():
             container.mux(packet)
+    return path
+
+
+def grey(number: int, height: int = 64, width: int = 64) -> np.ndarray:
+    """A picture as bright as its number, 0 to 255; `numbers_of` tells it back."""
+    return np.full((height, width, 3), number, np.uint8)
+
+
+def numbers_of(frames: np.ndarray) -> np.ndarray:
+    """The numbers of `grey` pictures whose numbers are multiples of 4."""
+    return (4 * np.round(frames.mean(axis=(1, 2, 3)) / 4)).astype(int)
+
+
+def change_table(path: Path, **columns) -> Path:
+    """Replace columns of a parquet table, or leave them out where None is given."""
+    table = pq.read_table(path)
+    for name, values in columns.items():
+        table = table.drop_columns([name]) if name in table.column_names else table
+        table = table if values is None else table.append_column(name, pa.array(values))
+    pq.write_table(table, path)
+    return path
+
+
+def change_json(path: Path, **values) -> Path:
+    """Replace values of a JSON object."""
+    path.write_text(json.dumps(json.loads(path.read_text()) | values))
     return path
 
 

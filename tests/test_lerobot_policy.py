@@ -163,8 +163,8 @@ def test_by_hand(told, tmp_path, capsys):
     for arguments, message in [
         (("--lerobot", "nowhere"), "no LeRobot policy in nowhere"),
         (("--lerobot", str(tmp_path), "--lerobot-python", "nowhere"), "no Python at nowhere"),
-        (("policy", "--lerobot", str(tmp_path)), "given beside another agent"),
-        (("--agent", "random", "--lerobot", str(tmp_path)), "given beside another agent"),
+        (("policy", "--lerobot", str(tmp_path)), "more than one given"),
+        (("--agent", "random", "--lerobot", str(tmp_path)), "more than one given"),
     ]:
         code, _, err = move(capsys, "evaluate", *arguments)
         assert code == 2 and message in err and err.count("\n") == 1

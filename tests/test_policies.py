@@ -1,15 +1,20 @@
 """Shipped policies: what they did in the episodes of the films, recorded beside them."""
 
+import json
+
 import numpy as np
 import pandas as pd
 import pytest
 from safetensors.numpy import save_file
+from test_cli import move
 
 from move import experiments, paths
 from move.errors import BadInput
 from move.learn.agents import PolicyAgent, Recorded
+from move.learn.evaluate import Evaluation, starts
 from move.machine import gl_problem
 from move.report import film
+from move.sim.tasks import get_task
 from move.study import policies
 from move.study.profiles import load_profile
 
@@ -28,6 +33,29 @@ def test_the_films_shown_are_what_the_shipped_policies_did_and_other_episodes_ar
             assert ("success" if again["success"] else "failure", again["steps"]) == (row.outcome, row.steps)
             assert len(frames) == row.steps + 1
         assert isinstance(acting(1), PolicyAgent) and 1 not in policies.recorded_episodes(spec, LAPTOP)
+
+
+@pytest.mark.skipif(gl_problem() is not None, reason="no GL library on this machine")
+def test_the_policy_of_a_stored_run_is_tried_elsewhere_without_training(capsys):
+    spec = next(spec for spec in SPECS if spec.method == "move")
+    code, out, _ = move(capsys, "evaluate", "--run", spec.hash, "--episodes", "2", "--json")
+    found = json.loads(out)
+    assert code == 0
+    assert (found["agent"], found["task"], found["episodes"]) == (spec.hash, spec.task, 2)
+    tried = starts(get_task(spec.task), Evaluation(episodes=2))
+    assert [row["camera_angle"] for row in found["rows"]] == [start.configuration.camera_angle for start in tried]
+
+
+@pytest.mark.parametrize("given, why", [
+    (["0" * 16], "run: '0000000000000000' given; allowed is the hash of a run"),
+    (["../x"], "allowed is the hash of a run"),
+    ([SPECS[0].hash, "--task", "push"], "task: 'push' given for a policy of pick-place"),
+    ([SPECS[0].hash, "--agent", "expert"], "agent: more than one given"),
+    ([experiments.specs("table2_main", LAPTOP)[-1].hash], "allowed are runs that trained a policy"),
+])
+def test_a_run_whose_policy_cannot_be_tried_is_one_line(given, why, capsys):
+    code, _, err = move(capsys, "evaluate", "--run", *given)
+    assert code == 2 and why in err
 
 
 @pytest.mark.parametrize("content", [b"", b"not safetensors", {"a": np.zeros((2, 4))}, {"3": np.full((2, 4), np.nan)},

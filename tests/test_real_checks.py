@@ -1,18 +1,24 @@
 """The checks find what is wrong and pass what is right; the sample is honest about itself; the arm's kinematics."""
 
 import dataclasses
+import json
+import shutil
 
+import h5py
 import numpy as np
+import pyarrow.parquet as pq
 import pytest
 import real_writers as w
+import zarr
 
 from move.paper import TABLE3_REAL
 from move.realworld import check_dataset, checks_table, open_dataset, write_sample
 from move.realworld.checks import OUTCOMES
+from move.realworld.episode import RobotEpisode
 from move.realworld.piper import LIMITS_RAD, flange_transform, forward_kinematics, reach
 from move.realworld.sample import SIZE
 from move.realworld.tracking import object_places, object_speeds, seen_share
-from move.realworld.workspace import equal_budget
+from move.realworld.workspace import action_table, coverage_by_method, equal_budget, path_table
 
 
 @pytest.fixture(scope="session")
@@ -23,12 +29,6 @@ def sample(tmp_path_factory):
 
 def outcomes(data) -> dict[str, str]:
     return {check.name: check.outcome for check in check_dataset(data)}
-
-
-def spoil(data, **change):
-    """The data set with its first episode changed."""
-    first = dataclasses.replace(data.episodes[0], **change)
-    return dataclasses.replace(data, episodes=(first, *data.episodes[1:]))
 
 
 def test_the_sample_says_that_it_is_simulated(sample):
@@ -44,7 +44,8 @@ def test_the_sample_passes_all_but_the_papers_sizes(sample):
     assert list(table.columns) == ["name", "outcome", "detail"] and set(table["outcome"]) <= set(OUTCOMES)
     assert set(table.loc[table["outcome"] != "pass", "name"]) == {
         "move_sample: size is one of the paper's", "static_sample: size is one of the paper's",
-        "move: mean length is the paper's", "static: mean length is the paper's",
+        "move: mean length is the paper's", "static: mean length is the paper's", "a robot was involved",
+        "no chunk of an array is missing", "streams belong to the same time",
     }
 
 
@@ -66,23 +67,194 @@ def test_real_data_are_not_called_simulated(tmp_path):
     assert not open_dataset(w.lerobot_v2(tmp_path / "d")).simulated
 
 
-@pytest.mark.parametrize(
-    ("change", "name", "outcome"),
-    [({"joints": np.full((5, 6), np.nan), "end_effector": None}, "all values are finite", "fail"),
-     ({"timestamps_s": np.array([0.0, 0.2, 0.2, 0.4])}, "time increases", "fail"),
-     ({"lengths": {"joints": 9, "action": 8}}, "streams of an episode are equally long", "differs"),
-     ({"joints": np.full((5, 6), 3.0), "end_effector": None}, "joints stay within PIPER's limits", "differs"),
-     ({"timestamps_s": np.arange(4.0)}, "every timestep has its frames", "fail"),
-     ({"notes": ("guessed",)}, "nothing had to be assumed", "differs"), ])
-def test_each_check_can_fail(sample, change, name, outcome):
-    assert outcomes(sample)[name] == "pass"
-    assert outcomes(spoil(sample, **change))[name] == outcome
+V2, V3 = "data/chunk-000/episode_{:06d}.parquet", "data/chunk-000/file-000.parquet"
 
 
-def test_unread_and_unknown_units_fail(sample):
-    assert outcomes(dataclasses.replace(sample, unread=("a: broken",)))["every chosen episode can be read"] == "fail"
+def v2(folder, **options):
+    return w.lerobot_v2(folder, episodes=3, codec="libx264", **options)
+
+
+def v2_table(**columns):
+    """Change columns of the second episode's table."""
+    return lambda folder: w.change_table(folder / V2.format(1), **columns)
+
+
+def over(first, second):
+    """Copy a file or folder over another."""
+    def change(folder):
+        copy = shutil.copytree if (folder / first).is_dir() else shutil.copy
+        copy(folder / first, folder / second, **({"dirs_exist_ok": True} if copy is shutil.copytree else {}))
+
+    return change
+
+
+def in_hdf5(change, name="episode_0.hdf5"):
+    def make(folder):
+        with h5py.File(folder / name, "a") as file:
+            change(file)
+
+    return make
+
+
+def replaced(file, name, values):
+    attributes = dict(file[name].attrs)
+    del file[name]
+    file[name] = values
+    file[name].attrs.update(attributes)
+
+
+def never_written(file):
+    del file["action"]
+    file.create_dataset("action", (6, 7), np.float32, chunks=(3, 7))[:3] = 1.0
+
+
+def sync(sensor, change):
+    def make(folder):
+        path = folder / f"episode0/{sensor}/sync.txt"
+        path.write_text("\n".join(change(path.read_text().split("\n"))))
+
+    return make
+
+
+def with_nan(values):
+    values[2, 3] = np.nan
+    return values
+
+
+def lengths(*numbers):
+    return lambda folder: (folder / "meta/episodes.jsonl").write_text("".join(
+        json.dumps({"episode_index": n, "tasks": ["t"], "length": length}) + "\n" for n, length in enumerate(numbers)))
+
+
+def fewer_rows(name):
+    def change(folder):
+        place = folder / f"replay_buffer.zarr/data/{name}/.zarray"
+        w.change_json(place, shape=[8, *json.loads(place.read_text())["shape"][1:]])
+
+    return change
+
+
+def swapped_rows(folder):
+    table = pq.read_table(folder / V3)
+    pq.write_table(table.take([*range(6), 7, 6, *range(8, 18)]), folder / V3)
+
+
+STEPS, TIME = np.arange(w.STEPS), "data/timestamp"
+FINITE, ORDER, EQUAL = "all values are finite", "timesteps are numbered in order", "no two episodes are equal"
+STATED, CHUNKS = "episodes are as long as stated", "no chunk of an array is missing"
+SPOILT = {  # what is wrong: who writes it, what is changed, which check finds it, what it says
+    "another episode's number": (v2, v2_table(episode_index=np.full(6, 2)), ORDER, "episode_index 2 at timestep 0"),
+    "numbers of timesteps with a gap": (v2, v2_table(frame_index=STEPS + (STEPS > 3)), ORDER, "frame_index 5 at"),
+    "a number twice": (v2, v2_table(index=[6, 7, 7, 8, 9, 10]), ORDER, "index 7 at timestep 2, right is 8"),
+    "an episode over another": (v2, over(V2.format(0), V2.format(2)), EQUAL, "./2 equals ./0"),
+    "an episode over another, renumbered": (
+        v2, lambda folder: w.change_table(shutil.copy(folder / V2.format(0), folder / V2.format(2)),
+                                          episode_index=np.full(6, 2)), EQUAL, "./2 equals ./0"),
+    "longer than it is": (v2, lengths(6, 60, 6), STATED, "./1 6 timesteps of 60"),
+    "shorter than it is": (v2, lengths(6, 6, 2), STATED, "./2 6 timesteps of 2"),
+    "time that stands still": (v2, v2_table(timestamp=[0, 0.1, 0.1, 0.2, 0.3, 0.4]), "time increases", "./1"),
+    "time that runs back": (v2, v2_table(timestamp=STEPS[::-1] / 10), "time increases", "./1"),
+    "joints that are no number": (
+        v2, v2_table(**{"observation.state": [*w.state(1).tolist()[:5], [np.nan] * 7]}), FINITE, "./1 joints 1"),
+    "an infinite action": (v2, v2_table(action=[[np.inf] + [0.0] * 6] * 6), FINITE, "./1 action 6"),
+    "time that is no number": (v2, v2_table(timestamp=[0, np.nan, 0.2, 0.3, 0.4, 0.5]), FINITE, "timestamps 1"),
+    "rows in another order": (w.lerobot_v3, swapped_rows, "nothing had to be assumed", "order of frame_index"),
+    "another part of a shared table": (w.lerobot_v3, lambda folder: w.change_table(
+        folder / V3, index=[*range(6), *range(7, 13), *range(12, 17), 99]), ORDER, "index 99 at timestep 5"),
+    "ACT never written": (w.act_hdf5, in_hdf5(never_written), CHUNKS, "/action has 1 of its 2 chunks"),
+    "ACT simulated": (w.act_hdf5, in_hdf5(lambda file: file.attrs.__setitem__("sim", True)), "a robot was involved",
+                      "say that they are simulated"),
+    "ACT no number": (w.act_hdf5, in_hdf5(lambda file: replaced(file, "observations/qpos", with_nan(w.state()))),
+                      FINITE, "joints 1"),
+    "ACT of unequal streams": (w.act_hdf5, in_hdf5(lambda file: replaced(file, "action", w.state()[:4])),
+                               "streams of an episode are equally long", "action 4"),
+    "Pika time runs back": (w.pika_tree, sync("camera/color/pikaGripperDepthCamera", lambda lines: lines[::-1]),
+                            "time increases", "./0"),
+    "Pika arm runs back": (w.pika_tree, sync("arm/jointState/puppet", lambda lines: lines[::-1]),
+                           "streams belong to the same time", "joints"),
+    "Pika gripper stands still": (w.pika_tree, sync("gripper/encoder/pikaGripper", lambda lines: lines[2:3] * 6),
+                                  "streams belong to the same time", "gripper"),
+    "zarr chunk": (w.zarr_buffer, lambda folder: (folder / "replay_buffer.zarr/data/robot_joint/1.0").unlink(), CHUNKS,
+                   "data/robot_joint has 2 of its 3 chunks"),
+    "zarr rows": (w.zarr_buffer, fewer_rows("action"), STATED, "2 timesteps of 4"),
+    "zarr streams": (w.zarr_buffer, fewer_rows("action"), "streams of an episode are equally long", "action 2"),
+    "zarr time": (w.zarr_buffer, lambda folder: zarr.open_group(folder / "replay_buffer.zarr").__getitem__(
+        "data/timestamp").__setitem__(slice(2, 4), 5.0), "time increases", "replay_buffer.zarr/0"),
+}
+
+
+@pytest.mark.parametrize("what", SPOILT)
+def test_each_check_finds_what_is_wrong_in_whatever_layout(tmp_path, what):
+    write, change, name, says = SPOILT[what]
+    folder = write(tmp_path / "d")
+    before = outcomes(open_dataset(folder))[name]
+    assert before != "differs"
+    change(folder)
+    check = {check.name: check for check in check_dataset(open_dataset(folder))}[name]
+    assert check.outcome == "differs" and says in check.detail, check
+
+
+LAYOUTS = {
+    "LeRobot v2.1": w.lerobot_v2, "LeRobot v3.0": w.lerobot_v3, "Pika tree": w.pika_tree, "Pika HDF5": w.pika_hdf5,
+    "ACT": w.act_hdf5, "RoboMIND": w.robomind_hdf5, "zarr": w.zarr_buffer,
+    "authors' zarr": lambda folder: w.zarr_buffer(folder, simulation=True),
+}
+
+
+@pytest.mark.parametrize("layout", LAYOUTS)
+def test_every_layout_has_the_same_checks_and_passes_none_for_want_of_a_quantity(tmp_path, layout):
+    data = open_dataset(LAYOUTS[layout](tmp_path / "d"))
+    table = checks_table(check_dataset(data)).set_index("name")
+    assert len(table) == 18 and set(table["outcome"]) <= set(OUTCOMES)
+    wanted = {
+        "episodes are as long as stated": [e for e in data.episodes if e.stated_timesteps],
+        "timesteps are numbered in order": [e for e in data.episodes if e.numbering],
+        "no two episodes are equal": data.episodes[1:], "every timestep has its frames": data.episodes[0].cameras,
+        "no chunk of an array is missing": [e for e in data.episodes if e.gaps is not None],
+        "time increases": [e for e in data.episodes if e.timestamps is not None],
+        "the rate is the stated one": [e for e in data.episodes if e.fps],
+        "streams belong to the same time": [e for e in data.episodes if e.own_times],
+        "all units are known": data.units.index, "joints stay within PIPER's limits": [
+            e for e in data.episodes if e.robot == "piper"],
+    }
+    for name, there in wanted.items():
+        assert (table.loc[name, "outcome"] == "unknown") == (len(there) == 0), name
+    assert all(e.state is not None and len(e.state) == e.timesteps for e in data.episodes)
+
+
+def test_a_data_set_without_a_quantity_passes_little(tmp_path):
+    folder = w.lerobot_v2(tmp_path / "d", episodes=1)
+    path = folder / V2.format(0)
+    pq.write_table(pq.read_table(path).select(["action"]), path)
+    w.change_json(folder / "meta/info.json", fps=None, robot_type=None)
+    (folder / "meta/episodes.jsonl").unlink()
+    table = checks_table(check_dataset(open_dataset(folder)))
+    assert set(table.loc[table["outcome"] == "pass", "name"]) == {"every chosen episode can be read",
+                                                                  "all values are finite"}
+    assert (table["outcome"] == "unknown").sum() >= 12
+
+
+def test_a_rate_is_compared_only_where_it_is_stated(sample):
+    assert outcomes(sample)["the rate is the stated one"] == "pass"
+    silent = [dataclasses.replace(e, fps=None) for e in sample.episodes]
+    assert outcomes(dataclasses.replace(sample, episodes=tuple(silent)))["the rate is the stated one"] == "unknown"
+
+
+def test_unread_and_unknown_units_differ(sample):
+    assert outcomes(dataclasses.replace(sample, unread=("a: broken",)))["every chosen episode can be read"] == "differs"
     units = sample.units.assign(unit="unknown")
-    assert outcomes(dataclasses.replace(sample, units=units))["all units are known"] == "fail"
+    assert outcomes(dataclasses.replace(sample, units=units))["all units are known"] == "differs"
+    assert outcomes(dataclasses.replace(sample, units=units[:0]))["all units are known"] == "unknown"
+
+
+def test_what_is_not_finite_is_left_out_and_named(tmp_path):
+    values = w.state()
+    values[2, 1], values[4, 6] = np.nan, np.inf
+    data = open_dataset(w.lerobot_v2(tmp_path / "d", episodes=1, values=lambda n: values))
+    steps = path_table(data.episodes)
+    assert np.isnan(steps["x_m"]).tolist() == [False, False, True, False, False, False]
+    assert coverage_by_method(steps)["visits"].sum() == 5 and len(action_table(data.episodes)) == 7
+    assert dict(data.episodes[0].not_finite) == {"joints": 1, "gripper": 1, "action": 2, "state": 2}
 
 
 def test_a_tool_offset_is_seen(sample):
@@ -93,14 +265,15 @@ def test_a_tool_offset_is_seen(sample):
 
 
 @pytest.mark.parametrize(("timesteps", "outcome"), [(35_000, "pass"), (34_000, "pass"), (75_900, "pass"),
-                                                    (50_000, "differs"), (float("nan"), "not checked")])
+                                                    (50_000, "differs"), (float("nan"), "unknown")])
 def test_sizes_of_the_paper(sample, timesteps, outcome):
     data = dataclasses.replace(sample, contents=sample.contents.assign(timesteps=float(timesteps)))
     assert outcomes(data)["static_sample: size is one of the paper's"] == outcome
 
 
 def test_mean_length_of_the_paper(sample):
-    long = [dataclasses.replace(e, timestamps_s=np.arange(459.0)) for e in sample.episodes if e.method == "static"]
+    long = [RobotEpisode(part="p", index=n, source=".", method="static", timestamps_s=np.arange(459.0))
+            for n in range(2)]
     assert outcomes(dataclasses.replace(sample, episodes=tuple(long)))["static: mean length is the paper's"] == "pass"
 
 

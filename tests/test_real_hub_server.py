@@ -106,8 +106,9 @@ def test_a_commit_that_is_none_is_refused(served, tmp_path, sha):
     refusal(tmp_path, None)
 
 
-@pytest.mark.parametrize("kept", ["", "5", "{}", '{"files": []}', '{"files": [5]}', '{"files": [{"path": "../x"}]}',
-                                  '{"files": [{"path": "a", "size_bytes": "x"}]}'])
+@pytest.mark.parametrize("kept", ["", "5", "{}", '{"files": []}', '{"files": [5]}', '{"files": {"../x": 1}}',
+                                  '{"files": {"a": "x"}}', '{"files": {"a": -1}}',
+                                  '{"files": [{"path": "a", "size_bytes": 1}]}'])
 def test_a_kept_listing_that_is_bad_is_asked_for_again(served, tmp_path, kept):
     listing(tmp_path).parent.mkdir(parents=True)
     listing(tmp_path).write_text(kept)

@@ -1,8 +1,10 @@
 """Every layout is read back to the numbers that were written."""
 
 import json
+import re
 import shutil
 import warnings
+from pathlib import Path
 
 import h5py
 import numpy as np
@@ -10,10 +12,13 @@ import pyarrow.parquet as pq
 import pytest
 import real_writers as w
 
+from move import paths
 from move.errors import BadInput
+from move.learn import dataset
 from move.realworld import open_dataset
 from move.realworld.detect import detect
 from move.realworld.state_columns import split_columns
+from move.sim.demonstrations import Demonstrations
 
 
 def red(frames: np.ndarray) -> np.ndarray:
@@ -334,3 +339,39 @@ def test_detect_keeps_a_raw_tree_beside_hdf5_together(tmp_path):
     files = ["episode0/data.hdf5", "episode0/camera/color/cam/1.jpg", "episode0/arm/jointState/puppet/1.json"]
     parts = detect(files, tmp_path)
     assert [(p.layout, len(p.files)) for p in parts] == [("hdf5", 3)]
+
+
+LAYOUTS = {
+    "LeRobot v2.1": w.lerobot_v2, "LeRobot v3.0": w.lerobot_v3, "Pika tree": w.pika_tree, "Pika HDF5": w.pika_hdf5,
+    "ACT": w.act_hdf5, "RoboMIND": w.robomind_hdf5, "zarr": w.zarr_buffer,
+    "zarr in a zip": lambda folder: w.zarr_buffer(folder, zipped=True),
+    "authors' zarr": lambda folder: w.zarr_buffer(folder, simulation=True),
+}
+
+
+@pytest.mark.parametrize("layout", LAYOUTS)
+def test_the_how_to_pages_ten_lines_make_a_buffer_of_every_layout(tmp_path, layout):
+    page = (paths.ROOT / "docs/how-to/use_your_own_demonstrations.md").read_text(encoding="utf-8")
+    lines = next(block for block in re.findall(r"```python\n(.*?)```", page, flags=re.S) if "open_dataset(" in block)
+    assert len(lines.splitlines()) <= 10
+    LAYOUTS[layout](tmp_path / "mine_lerobot")
+    for name in ("mine_lerobot", "from_lerobot.zarr"):
+        assert f'"build/{name}"' in lines
+        lines = lines.replace(f'"build/{name}"', f'"{tmp_path}/{name}"')
+    exec(lines, {"np": np, "Path": Path, "open_dataset": open_dataset, "dataset": dataset,
+                 "Demonstrations": Demonstrations})
+    data, (made, _) = open_dataset(tmp_path / "mine_lerobot", episodes=None), dataset.load(tmp_path
+                                                                                           / "from_lerobot.zarr")
+    assert made.episode_ends.tolist() == np.cumsum([e.timesteps for e in data.episodes]).tolist()
+    np.testing.assert_allclose(made.observations, np.concatenate([e.state for e in data.episodes]), rtol=1e-6)
+    actions = np.concatenate([e.action for e in data.episodes])
+    np.testing.assert_allclose(made.actions, actions / max(1, np.abs(actions).max()), rtol=1e-6)
+
+
+def test_the_state_of_layouts_without_one_is_all_that_the_arm_told(tmp_path):
+    e = open_dataset(w.pika_tree(tmp_path / "pika")).episodes[0]
+    np.testing.assert_allclose(e.state, np.hstack([w.state(), w.pose()]), atol=1e-12)
+    e = open_dataset(w.act_hdf5(tmp_path / "act", arms=2)).episodes[0]
+    assert e.state.shape == (w.STEPS, 14)
+    e = open_dataset(w.zarr_buffer(tmp_path / "zarr")).episodes[1]
+    np.testing.assert_allclose(e.state, np.hstack([w.joints(0, 10)[6:], w.pose(10)[6:]]))

@@ -3,10 +3,16 @@
 from pathlib import Path
 
 import cells
+import matplotlib.pyplot as plt
 import nbformat
+import numpy as np
+import pandas as pd
+import pytest
 import real_writers as w
 
 from move import paths
+from move.realworld import trials
+from move.report import captions, changes, style, tables
 
 NAME = "table3_real_robot"
 PARAMETERS = ("profile", "data", "revision", "episodes", "size_cap_gb", "units_file", "sheet")
@@ -48,3 +54,98 @@ def test_it_runs_on_data_without_poses_or_cameras_and_with_a_sheet(tmp_path, mon
     space = run(tmp_path, monkeypatch, data=str(tmp_path / "bare"), sheet=str(tmp_path / "sheet.csv"))
     assert (tmp_path / "laptop/fig8_real_setup.png").stat().st_size > 5000
     assert space["scores"].trials.tolist() == [5, 5]
+
+
+def students_arm(folder: Path) -> Path:
+    """A LeRobot v2.1 set as a student records it: an SO-100, six named joints in degrees, one camera, 3 episodes."""
+    names = [f"main_{name}" for name in ("shoulder_pan", "shoulder_lift", "elbow_flex", "wrist_flex", "wrist_roll",
+                                         "gripper")]
+    steps = np.linspace(0, 1, w.STEPS)[:, None]
+
+    def values(episode: int) -> np.ndarray:
+        return np.hstack([steps * [[90, 150, -120, 60, 30]] + 3 * episode, 2 + 37 * steps])
+
+    w.lerobot_v2(folder, episodes=3, values=values, names=names, width=6, robot_type="so100", codec="libx264")
+    for path in sorted(folder.rglob("*.mp4")):
+        w.write_video(path, range(w.STEPS), size=(48, 64))
+    return folder
+
+
+@pytest.mark.filterwarnings("error:constrained_layout")  # axes that collapse
+@pytest.mark.parametrize("units", ["", "'*': {joints: deg}"])
+def test_a_students_data_set_of_another_arm_is_drawn_without_pipers_kinematics(tmp_path, monkeypatch, units):
+    folder = students_arm(tmp_path / "so100")
+    (tmp_path / "units.yaml").write_text(units)
+    drawn = {}
+    monkeypatch.setattr(style, "save", lambda figure, name, *_: (style.settle(figure), drawn.__setitem__(name, figure)))
+    monkeypatch.setattr(changes, "_in_the_kernel", lambda: {"data": str(folder)})
+    monkeypatch.setattr(paths, "own_figures", lambda name: tmp_path / name)
+    monkeypatch.setattr(paths, "ROOT", tmp_path)
+    space = run(tmp_path, monkeypatch, data=str(folder), units_file=str(tmp_path / "units.yaml") if units else "")
+    panels = [text.get_text() for ax in drawn["fig8_real_setup"].axes for text in ax.texts]
+    assert any("3 of 3 episodes: the arm is so100, not PIPER" in " ".join(text.split()) for text in panels)
+    assert ["0.0 s", "0.1 s", "0.2 s"] == panels[:3], "frames are labelled by their times"
+    assert "Not the shipped figure" in drawn["fig8_real_setup"].get_suptitle()
+    assert space["steps"].empty and not any("hand" in ax.get_title("left") for ax in drawn["fig8_real_setup"].axes)
+    checks = space["checks"].set_index("name").outcome
+    assert checks["every timestep has its frames"] == "pass" and checks["time increases"] == "pass"
+    assert checks["all units are known"] == "pass"  # beyond 100 they are no per cent
+    assert checks["recorded pose agrees with PIPER's kinematics"] == "unknown"
+
+
+def spoilt(folder: Path) -> Path:
+    """A LeRobot set of which a video is missing, an episode unreadable, joints and times are no numbers in places."""
+    values = np.vstack([[np.nan] * 7, w.state()[1:]])
+    w.lerobot_v2(folder, episodes=4, codec="libx264", values=lambda n: values if n < 2 else w.state(n))
+    next(folder.rglob("episode_000000.mp4")).unlink()
+    w.change_table(folder / "data/chunk-000/episode_000001.parquet", timestamp=[0, np.nan, 0.2, 0.3, np.inf, 0.5])
+    (folder / "data/chunk-000/episode_000003.parquet").write_bytes(b"PAR1")
+    return folder
+
+
+LAYOUTS = {
+    "LeRobot v3.0": w.lerobot_v3, "Pika tree": w.pika_tree, "Pika HDF5": w.pika_hdf5, "ACT": w.act_hdf5,
+    "RoboMIND": w.robomind_hdf5, "zarr": w.zarr_buffer, "authors' zarr": lambda folder: w.zarr_buffer(
+        folder, simulation=True), "spoilt": spoilt,
+}
+
+
+@pytest.mark.parametrize("layout", LAYOUTS)
+def test_the_page_goes_on_with_every_layout_and_with_spoilt_data(tmp_path, monkeypatch, layout):
+    drawn = {}
+    monkeypatch.setattr(style, "save", lambda figure, name, *_: drawn.__setitem__(name, figure))
+    monkeypatch.setattr(trials, "power_table", lambda *_, **__: pd.DataFrame())  # of the paper, not of the data
+    monkeypatch.setattr(trials, "minimum_detectable_effect", lambda *_, **__: 0.0)
+    space = run(tmp_path, monkeypatch, data=str(LAYOUTS[layout](tmp_path / "set")))
+    plt.close("all")
+    assert {"table3_real", "fig8_real_setup"} <= set(drawn)
+    if layout == "spoilt":
+        checks = space["checks"].set_index("name")
+        assert set(checks.index[checks.outcome == "differs"]) >= {
+            "every chosen episode can be read", "all values are finite", "every timestep has its frames",
+            "time increases"}
+        assert space["steps"].x_m.isna().sum() == 2 and len(space["steps"]) == 18
+
+
+def test_a_layout_that_never_rests_is_written_as_it_is(tmp_path, monkeypatch):
+    monkeypatch.setattr(style, "MOST_PASSES", 1)
+    figure, _ = plt.subplots(layout="constrained")
+    style.save(figure, "moving", tmp_path)
+    assert {path.name for path in tmp_path.iterdir()} == {"moving.pdf", "moving.png"}
+    plt.close(figure)
+
+
+def test_no_text_of_a_data_set_is_markup_in_the_browser():
+    odd = "<img src=x onerror=alert(1)>"
+    html = tables.shown(pd.DataFrame({"part": [odd], odd: ["a & b"]})).to_html()
+    assert "<img" not in html and html.count("&lt;img src=x onerror=alert(1)&gt;") == 2 and "a &amp; b" in html
+    assert tables.as_markdown(f"{odd} [a](javascript:b) *c*") == (
+        r"&lt;img src=x onerror=alert(1)&gt; \[a\](javascript:b) \*c\*")
+    assert "](" not in captions.caption("fig8_real_setup", "folder [a](javascript:b)").markdown()
+
+
+def test_every_notebook_shows_texts_of_files_as_markdown_only_after_escaping():
+    notebook = nbformat.read(paths.NOTEBOOKS / f"{NAME}.ipynb", as_version=4)
+    shown = [line for cell in notebook.cells if cell.cell_type == "code" for line in cell.source.splitlines()
+             if "origin" in line and "Markdown" in line]
+    assert shown and all("as_markdown(demos.origin)" in line for line in shown)

@@ -104,11 +104,3 @@ def test_real_table_is_the_papers():
     assert (100 * table["rate"]).round(1).tolist() == [3.3, 23.3, 23.3, 36.7]
     assert ((table["score_low"] <= table["normalised"]) & (table["normalised"] <= table["score_high"])).all()
     assert table["readings"].tolist() == [2, 4, 8, 8]
-
-
-def test_score_interval_is_the_widest():
-    low, high = t.score_interval(7, 28)
-    for r in t.score_distributions(7, 28).itertuples():
-        points = np.repeat([0, 1, 2, 3], [r.zero, r.one, r.two, r.three]) / 3
-        a, b = stats.t.interval(0.95, 29, points.mean(), stats.sem(points))
-        assert low <= a + 1e-12 and b - 1e-12 <= high

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from move.errors import BadInput
 from move.realworld import open_dataset
-from move.realworld.units import FACTORS, RANGES, by_size, units_table
+from move.realworld.units import RANGES, UNITS, by_size, units_table
 
 # The rows of the table of known sources: joints scale, gripper values, unit of each, gripper in SI or 0..1.
 SOURCES = {
@@ -36,7 +36,7 @@ def test_each_known_source(tmp_path, name):
     data = open_dataset(source(tmp_path / "d", scale, gripper))
     told = data.units.set_index("quantity")
     assert told.loc["joints", "unit"] == joint_unit and told.loc["gripper", "unit"] == gripper_unit
-    assert set(told["decided_by"]) == {"size of the numbers"}
+    assert set(told["decided_by"].drop("time")) == {"size of the numbers"}
     np.testing.assert_allclose(data.episodes[1].joints, w.joints(1), rtol=1e-9)
     np.testing.assert_allclose(data.episodes[0].gripper[:3], expected, atol=1e-12)
     assert data.episodes[0].gripper_unit == result
@@ -57,7 +57,7 @@ def test_poses(tmp_path, scale, position, rotation):
 def test_between_the_ranges_is_unknown_and_left_out(tmp_path):
     data = open_dataset(source(tmp_path / "d", 5.0 / 1.66, [0.0, 5.0, 0.0]))
     told = data.units.set_index("quantity")
-    assert told["unit"].to_dict() == {"joints": "unknown", "gripper": "unknown"}
+    assert told["unit"].to_dict() == {"time": "s", "joints": "unknown", "gripper": "unknown"}
     assert "units file" in told.loc["joints", "note"]
     assert (data.episodes[0].joints is None and data.episodes[0].gripper is None
             and data.episodes[0].gripper_unit is None)
@@ -66,18 +66,18 @@ def test_between_the_ranges_is_unknown_and_left_out(tmp_path):
 def test_column_names_decide_and_contradictions_are_not_settled(tmp_path):
     names = [f"arm_joint_{n}_rad" for n in range(1, 7)] + ["gripper_open_scale"]
     data = open_dataset(source(tmp_path / "a", 1.0, [0, 1, 0], names=names))
-    assert set(data.units["decided_by"]) == {"column names"}
+    assert set(data.units["decided_by"]) == {"names", "the stated rate"}
     data = open_dataset(source(tmp_path / "b", 180 / np.pi, [0, 1, 0], names=names))
     row = data.units.set_index("quantity").loc["joints"]
-    assert row["unit"] == "unknown" and "say rad" in row["note"] and "look like deg" in row["note"]
+    assert row["unit"] == "unknown" and "names: rad" in row["note"] and "look like deg" in row["note"]
     assert data.episodes[0].joints is None
 
 
 def test_a_units_file_overrides(tmp_path):
     file = tmp_path / "units.yaml"
-    file.write_text('"*": {joints: deg, gripper: half_m}\nother: {joints: rad}\n')
+    file.write_text('"*": {joints: rad, gripper: half_m}\n.: {joints: deg}\n')
     data = open_dataset(source(tmp_path / "d", 1.0, [0.0, 0.035, 0.02]), units_file=file)
-    assert set(data.units["decided_by"]) == {"units file"}
+    assert set(data.units["decided_by"]) == {"units file", "the stated rate"}
     np.testing.assert_allclose(data.episodes[0].joints, np.deg2rad(w.joints()), rtol=1e-9)
     np.testing.assert_allclose(data.episodes[0].gripper[:3], [0.0, 0.07, 0.04])
 
@@ -99,7 +99,7 @@ def test_half_a_gap_is_cautioned(tmp_path):
 
 @pytest.mark.parametrize(("text", "says"), [('"*": {joints: grad}', "'grad'; allowed: rad, deg, mdeg"),
                                             ('"*": {speed: m}', "allowed"), ("- a list", "expected a YAML mapping"),
-                                            ("{broken", "expected a YAML mapping"), ])
+                                            ("{broken", "not readable as YAML"), ])
 def test_a_bad_units_file_is_one_line(tmp_path, text, says):
     file = tmp_path / "units.yaml"
     file.write_text(text)
@@ -110,7 +110,7 @@ def test_a_bad_units_file_is_one_line(tmp_path, text, says):
 @given(st.sampled_from(sorted(RANGES)), st.floats(0, 1e7))
 def test_a_size_gives_one_known_unit_or_none(quantity, largest):
     unit = by_size(quantity, largest)
-    assert unit == "unknown" or unit in FACTORS[quantity]
+    assert unit == "unknown" or unit in UNITS[quantity]
     if unit != "unknown":
         low, high = next((low, high) for low, high, name in RANGES[quantity] if name == unit)
         assert low <= largest <= high

@@ -160,30 +160,33 @@ def _refuse_other_content(folder: Path) -> None:
 
 @app.command(epilog=examples("move evaluate build/policy --task push",
                              "move evaluate build/policy --starts grid",
+                             "move evaluate --run 179c29dcf0c06657 --starts listed",
                              "move evaluate --agent expert --episodes 20"))
 def evaluate(
     checkpoint: Annotated[Optional[Path], typer.Argument(help="folder that `move train` wrote")] = None,
     agent: Annotated[Literal["policy", Control], typer.Option(help="who acts")] = "policy",
+    run: Annotated[Optional[str], typer.Option(help="instead: the policy of a stored run, by its hash")] = None,
     task: Annotated[Optional[TaskName], typer.Option(help="the task (the policy's, else pick-place)")] = None,
-    starts: Annotated[Literal["random", "moving", "grid"], typer.Option(help="where its episodes begin")] = "random",
-    episodes: Annotated[Optional[int], typer.Option(help="how many, unless starts are a grid (100)")] = None,
+    starts: Annotated[Literal["random", "moving", "grid", "listed"], typer.Option(
+        help="where its episodes begin; listed: the authors' 20 configurations")] = "random",
+    episodes: Annotated[Optional[int], typer.Option(help="how many, of random or moving starts (100)")] = None,
     factors: Annotated[Optional[Factors], typer.Option(help="what is random, unless starts are a grid (all)")] = None,
     lerobot: Annotated[Optional[Path], typer.Option(help="instead: a policy that lerobot-train wrote")] = None,
     lerobot_python: Annotated[Optional[Path], typer.Option(
         help="a Python that has LeRobot (default: under build/)")] = None,
     seed: Seed = 0,
+    profile: ProfileName = "laptop",
     as_json: Json = False,
 ) -> None:
     """Evaluate a policy, or a control, on the fixed configurations of a task."""
-    if lerobot is not None and (checkpoint is not None or agent != "policy"):
-        raise BadInput(f"lerobot: {lerobot} given beside another agent; allowed is one of them")
-    if agent == "policy" and checkpoint is None and lerobot is None:
+    if sum((checkpoint is not None, lerobot is not None, run is not None, agent != "policy")) > 1:
+        raise BadInput("agent: more than one given; allowed is one of CHECKPOINT, --agent, --run and --lerobot")
+    if agent == "policy" and checkpoint is None and lerobot is None and run is None:
         raise BadInput("checkpoint: none given; a policy needs the folder that `move train` wrote")
-    if agent != "policy" and checkpoint is not None:
-        raise BadInput(f"checkpoint: {str(checkpoint)!r} given with --agent {agent}, which needs none")
     given = {name: value for name, value in (("episodes", episodes), ("factors", factors)) if value is not None}
-    if starts == "grid" and given:
-        raise BadInput(f"{', '.join(given)}: given with starts 'grid', which fixes them; allowed with random or moving")
+    if starts in ("grid", "listed") and given:
+        raise BadInput(f"{', '.join(given)}: given with starts {starts!r}, which fixes them; allowed with random or "
+                       "moving")
     import numpy as np
 
     from move.learn import agents
@@ -193,18 +196,25 @@ def evaluate(
     from move.sim.observe import KEYPOINTS
     from move.sim.tasks import get_task
     from move.statistics.intervals import wilson_interval
+    from move.study import policies
+    from move.study.profiles import load_profile
     from move.validation import build
 
     one_thread()
     plan = build(evaluating.Evaluation, starts=starts, **given)
     with ExitStack() as stack:
         who: agents.Agent
-        seen, name = KEYPOINTS, "lerobot" if lerobot else agent
+        seen, name = KEYPOINTS, "lerobot" if lerobot else run or agent
         if lerobot is not None:
             from move.exchange.lerobot_policy import PYTHON, LeRobotAgent
 
             served = stack.enter_context(LeRobotAgent(lerobot, lerobot_python or PYTHON, seed))
             who, seen = served, served.observation
+        elif run is not None:
+            spec, policy = policies.of_run(run, load_profile(profile))
+            if task not in (None, spec.task):
+                raise BadInput(f"task: {task!r} given for a policy of {spec.task}; allowed is that task")
+            task, who, seen = spec.task, agents.PolicyAgent(policy, spec.seed), spec.collection.observed
         elif checkpoint is not None:
             task = task or learnt_task(checkpoint)
             policy = load_policy(checkpoint, task=task or "")

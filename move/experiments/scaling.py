@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import partial
 
 from move.experiments.budgets import budgets
+from move.experiments.floors import floors_and_ceilings
 from move.experiments.registry import Count, Seeds, experiment
 from move.paper import PAPER_METHODS, PAPER_TASKS, published
 from move.sim.tasks import get_task
@@ -23,7 +24,7 @@ def fig4_scaling(
     """Static and MOVE from pixels at growing budgets, all three methods at table 2's (figure 4).
 
     A larger budget begins with the smaller one's demonstrations. `pairs` adds the budgets that the paper says do
-    equally well.
+    equally well. Each task's floor and ceiling say where a rate lies between them.
 
     Args:
         short_timesteps: the budgets of tasks to which table 5 gives fewer than `most_timesteps`.
@@ -37,7 +38,7 @@ def fig4_scaling(
                      method=("static", "move"))
         runs += grid(base, seed=range(table_seeds), task=budgets([task], most_timesteps), method=PAPER_METHODS)
         runs += _said_to_be_equal(base, task) if pairs and seeds else []
-    return distinct(runs)
+    return distinct(runs + floors_and_ceilings(tasks, episodes) * bool(runs))
 
 
 def _said_to_be_equal(base: partial, task: str) -> list[LabelledRun]:

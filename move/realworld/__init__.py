@@ -7,16 +7,16 @@ formats/     one reader a layout -> Recording (units of the file)
 parquet.py   chosen columns of a parquet table, within the limits
 state_columns.py  which column of a state vector is what
 units.py     Recording -> RobotEpisode (SI units), with a table of how each unit was told
-frames.py    camera frames, decoded when asked for
+frames.py    camera frames by the time of their timesteps, decoded when asked for
 trials.py    what thirty trials can show: exact intervals, tests, power, possible scores
 scoring.py   a laboratory's own scoring sheet
 workspace.py what the demonstrations cover
 tracking.py  where the orange is in the images
-checks.py    what was checked, and how it came out
+checks.py    what was checked, for every layout alike: pass, differs or unknown
 piper.py     the arm's limits and kinematics
 lerobot_files.py  columns as LeRobot keeps them
 sample.py    a small simulated data set in the real layout
-untrusted_names.py  names from a data set stay inside its folder
+untrusted_names.py  names from a data set stay inside its folder and are no markup
 """
 
 from __future__ import annotations

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,6 +16,7 @@ from move.realworld.detect import detect
 from move.realworld.episode import EpisodeRef, Part, Recording, RobotEpisode, method_of
 from move.realworld.formats import LAYOUTS
 from move.realworld.units import UnitRow, convert, detect_units, read_units_file, units_table
+from move.realworld.untrusted_names import plain_text
 from move.untrusted import plain_files, read_json, reading, within
 
 # A file of this name at the root of a data set says that no robot was involved.
@@ -32,7 +34,7 @@ class RobotDataSet:
     contents: pd.DataFrame  # part, method, layout, episodes and timesteps in all (NaN: not stated), episodes read
     units: pd.DataFrame  # see `units.units_table`
     unread: tuple[str, ...]  # one line for each chosen episode that could not be read
-    simulated: bool  # the data set itself says that it is simulated
+    simulated: bool  # the data set, or one of its episodes, says that it is simulated
     about: dict  # what its `SIMULATED.json` holds
 
     @property
@@ -65,19 +67,20 @@ def open_dataset(data: str | Path = hub.REPOSITORY, *, revision: str | None = hu
     Raises:
         BadInput: one line that names what was given, what was found and what is allowed.
     """
-    overrides = read_units_file(units_file)
     if Path(data).is_dir():
         if revision is not None:
             raise BadInput(f"revision {revision!r} was given with the folder {data}; a folder has no revision")
         root, remote = Path(data), None
+        plain_text(root.resolve().name, "the folder's own name")
         parts = detect(list(plain_files(root)), root)
     elif str(data).count("/") == 1 and not Path(data).is_absolute() and not str(data).startswith("."):
         remote = hub.list_remote(str(data), revision, folder, log=log)
         root = remote.folder
-        parts = detect([file.path for file in remote.files], root)
+        parts = detect(list(remote.files), root)
         hub.fetch(remote, _metadata(parts, remote), size_cap_gb=size_cap_gb, log=log)
     else:
         raise BadInput(f"data {str(data)!r} is no folder on this machine, and no owner/name of the Hub")
+    overrides = read_units_file(units_file, [part.name for part in parts])
     chosen = {part.name: _choose(_episodes(part), episodes, part) for part in parts}
     if remote:
         names = [_prefix(part, remote) + file for part in parts for ref in chosen[part.name][1] for file in ref.files]
@@ -94,7 +97,7 @@ def _prefix(part: Part, remote: hub.Remote) -> str:
 
 def _metadata(parts: Sequence[Part], remote: hub.Remote) -> list[str]:
     names = [_prefix(part, remote) + file for part in parts for file in LAYOUTS[part.layout].metadata(part.files)]
-    return names + [file.path for file in remote.files if file.path == SIMULATED]
+    return names + [file for file in remote.files if file == SIMULATED]
 
 
 def _episodes(part: Part) -> list[EpisodeRef]:
@@ -102,6 +105,9 @@ def _episodes(part: Part) -> list[EpisodeRef]:
     with reading(part.root, f"a data set of the layout {LAYOUTS[part.layout].title}"):
         refs = LAYOUTS[part.layout].episodes(part)
     within("episodes", len(refs), part.root)
+    twice = [index for index, count in Counter(ref.index for ref in refs).items() if count > 1]
+    if twice:
+        raise BadInput(f"{part.root}: episode {twice[0]} is listed twice ({len(twice)} such episodes); allowed: once")
     return refs
 
 
@@ -144,7 +150,7 @@ def _read(source: str, revision: str | None, root: Path, parts: Sequence[Part], 
         raise BadInput(unread[0] if unread else f"{root}: no episodes in {[part.name for part in parts]}")
     about = _about(root / SIMULATED)
     return RobotDataSet(source, revision, root, tuple(episodes), pd.DataFrame(contents), units_table(rows),
-                        tuple(unread), bool(about), about)
+                        tuple(unread), bool(about) or any(episode.simulated for episode in episodes), about)
 
 
 def _about(mark: Path) -> dict:
@@ -176,13 +182,12 @@ def _method(part: Part) -> str:
 
 
 def _summary(part: Part, refs: Sequence[EpisodeRef], read: Sequence[RobotEpisode]) -> dict:
-    """One row of `contents`; where the layout does not tell lengths, the total is known only if all was read."""
-    stated = [ref.timesteps for ref in refs if ref.timesteps is not None]
-    lengths: list[int] | None = stated
-    if len(stated) < len(refs):
-        lengths = [episode.timesteps for episode in read] if len(read) == len(refs) else None
+    """One row of `contents`; the total is known where each episode was read or states its length."""
+    found = {episode.index: episode.timesteps for episode in read}
+    lengths = [found.get(ref.index, ref.timesteps) for ref in refs]
     return {
         "part": part.name, "method": read[0].method if read else _method(part), "layout": LAYOUTS[part.layout].title,
-        "episodes": len(refs), "timesteps": float("nan") if lengths is None else float(sum(lengths)),
+        "episodes": len(refs),
+        "timesteps": float("nan") if None in lengths else float(sum(length or 0 for length in lengths)),
         "episodes_read": len(read),
     }

@@ -13,6 +13,7 @@ import numpy as np
 
 from move.errors import BadInput
 from move.realworld.frames import Frames
+from move.realworld.untrusted_names import plain_text
 from move.untrusted import within
 
 
@@ -41,57 +42,61 @@ class EpisodeRef:
 
 @dataclass(frozen=True)
 class Recording:
-    """One episode as found on disk, in the units of the file.
+    """One episode as found on disk, in the units of the file, with what its data set says of it.
 
     T is the number of timesteps; `n` joints; `k` action components. Streams of unequal length are cut to the
-    shortest; `lengths` keeps what was found.
+    shortest; `lengths` keeps what was found. None: not recorded, or not stated.
     """
 
     part: str
     index: int
     source: Path
-    timestamps_s: np.ndarray  # (T,) float64
+    timestamps: np.ndarray | None = None  # (T,) float64
     joints: np.ndarray | None = None  # (T, n) float64
     end_effector: np.ndarray | None = None  # (T, 6) float64, x y z roll pitch yaw
     gripper: np.ndarray | None = None  # (T,) float64
-    action: np.ndarray | None = None  # (T, k) float64
+    action: np.ndarray | None = None  # (T, k) float64, as stored (never converted)
     action_names: tuple[str, ...] = ()
-    state: np.ndarray | None = None  # (T, w) float64, the whole state vector
+    state: np.ndarray | None = None  # (T, w) float64, the whole state vector as stored (never converted)
     cameras: Mapping[str, Frames] = field(default_factory=dict)
-    hints: Mapping[str, str] = field(default_factory=dict)  # quantity -> unit that a column's name states
-    lengths: Mapping[str, int] = field(default_factory=dict)
-    notes: tuple[str, ...] = ()
+    robot: str | None = None  # the arm, as the data set calls it
+    fps: float | None = None  # timesteps a second that the data set states
+    assumed_fps: float = 30.0  # where there are neither time stamps nor a stated rate
+    stated_timesteps: int | None = None
+    numbering: Mapping[str, np.ndarray] = field(default_factory=dict)  # "episode_index", "frame_index", "index": (T,)
+    own_times: Mapping[str, np.ndarray] = field(default_factory=dict)  # stream -> (T,) time stamps of its readings
+    gaps: tuple[str, ...] | None = None  # stored arrays that lack chunks; None: a layout without chunks
+    simulated: bool | None = None
+    hints: Mapping[str, str] = field(default_factory=dict)  # quantity -> unit that a name states
+    lengths: Mapping[str, int] = field(default_factory=dict)  # stream -> number of entries found on disk
+    not_finite: Mapping[str, int] = field(default_factory=dict)  # stream -> timesteps with NaN or infinity
+    notes: tuple[str, ...] = ()  # what the reader had to assume
+
+    @property
+    def timesteps(self) -> int:
+        """Number of timesteps T."""
+        streams = (self.timestamps, self.joints, self.end_effector, self.gripper, self.action, self.state)
+        return next((len(stream) for stream in streams if stream is not None), 0)
 
     @property
     def held_bytes(self) -> int:
         """Bytes of its streams and of those images that are in memory."""
-        streams = (self.timestamps_s, self.joints, self.end_effector, self.gripper, self.action, self.state)
+        streams = (self.timestamps, self.joints, self.end_effector, self.gripper, self.action, self.state)
         return sum(stream.nbytes for stream in streams if stream is not None) + sum(
             frames.held_bytes for frames in self.cameras.values())
 
 
 @dataclass(frozen=True)
-class RobotEpisode:
-    """One demonstration of a real robot, in SI units.
+class RobotEpisode(Recording):
+    """One demonstration of a real robot: a recording whose joints, end effector and gripper are in SI units.
 
-    A quantity whose unit could not be told, or that was not recorded, is None.
+    A quantity whose unit could not be told is None; so are joints that are no angles. Joints are in rad, the end
+    effector in m and rad in the frame of the file; a larger gripper is wider open.
     """
 
-    part: str
-    method: str  # "static", "adc", "move", or "unknown" (told by the folder's name, or by a units file)
-    index: int
-    source: Path
-    timestamps_s: np.ndarray  # (T,) float64, starts at 0
-    joints: np.ndarray | None  # (T, n) float64, rad
-    end_effector: np.ndarray | None  # (T, 6) float64, m and rad, in the frame of the file
-    gripper: np.ndarray | None  # (T,) float64, larger is wider open
-    gripper_unit: str | None  # "m" or "normalised" (0 closed, 1 open)
-    action: np.ndarray | None  # (T, k) float64, as stored (never converted)
-    action_names: tuple[str, ...]
-    state: np.ndarray | None  # (T, w) float64, the whole state vector as stored (never converted)
-    cameras: Mapping[str, Frames]  # camera name -> frames, read when asked for
-    lengths: Mapping[str, int]  # stream -> number of entries found on disk
-    notes: tuple[str, ...]  # what the reader had to assume
+    method: str = "unknown"  # "static", "adc", "move", or "unknown" (told by the folder's name, or by a units file)
+    timestamps_s: np.ndarray = field(default_factory=lambda: np.empty(0))  # (T,), starts at 0; NaN: unit unknown
+    gripper_unit: str | None = None  # "m", "rad" or "normalised" (0 closed, 1 open)
 
     @property
     def timesteps(self) -> int:
@@ -111,39 +116,46 @@ def method_of(name: str) -> str:
     return "unknown"
 
 
-def make_recording(part: Part, ref: EpisodeRef, streams: Mapping[str, np.ndarray | None], *, fps: float | None,
-                   **rest: Any) -> Recording:
-    """Cut the streams of an episode to their shortest and give it time.
+def make_recording(part: Part, ref: EpisodeRef, streams: Mapping[str, np.ndarray | None], **rest: Any) -> Recording:
+    """Cut the streams of an episode to their shortest; a state that is not recorded as such is all that the arm told.
 
     Args:
-        streams: any of `timestamps_s`, `joints`, `end_effector`, `gripper`, `action`, `state`; first axis time; None:
+        streams: any of `timestamps`, `joints`, `end_effector`, `gripper`, `action`, `state`; first axis time; None:
             left out.
-        fps: rate assumed where there are no timestamps, 1/s; None where there must be timestamps.
         rest: the other fields of `Recording`.
 
     Raises:
-        BadInput: no stream at all, or one that is no table of real numbers with at least one row.
+        BadInput: no stream at all, one that is no table of real numbers with at least one row, or a name that is no
+            `plain_text`.
     """
     where = f"episode {ref.index} of {part.root}"
+    for name in (part.name, rest.get("robot") or "", *rest.get("action_names", ()), *rest.get("cameras", ())):
+        plain_text(name, where)
     found = {name: _numbers(name, values, where) for name, values in streams.items() if values is not None}
     if not found:
         raise BadInput(f"{where} holds none of {sorted(streams)}")
     lengths = {name: len(values) for name, values in found.items()}
     shortest = min(lengths.values())
-    cut = {name: values[:shortest] for name, values in found.items()}
+    cut: dict[str, Any] = {name: values[:shortest] for name, values in found.items()}
+    told = [cut[name].reshape(shortest, -1) for name in ("joints", "gripper", "end_effector") if name in cut]
+    if "state" not in cut and told:
+        cut["state"] = np.hstack(told)
+    for kind in ("numbering", "own_times"):
+        cut[kind] = {name: values[:shortest] for name, values in rest.pop(kind, {}).items()}
     notes = tuple(rest.pop("notes", ()))
-    if "timestamps_s" not in cut:
-        cut["timestamps_s"] = np.arange(shortest) / (fps or 30.0)
-        notes += (f"no timestamps on disk: {fps or 30.0:g} Hz assumed",)
-    cut["timestamps_s"] = cut["timestamps_s"] - cut["timestamps_s"][0]
-    return Recording(part=part.name, index=ref.index, lengths=lengths, notes=notes, **(rest | cut))
+    if "timestamps" not in cut:
+        notes += (f"no timestamps on disk: {rest.get('fps') or rest.get('assumed_fps', 30.0):g} Hz assumed",)
+    bad = {name: int((~np.isfinite(values.reshape(len(values), -1))).any(axis=1).sum())
+           for name, values in found.items()}
+    return Recording(part=part.name, index=ref.index, lengths=lengths, notes=notes, stated_timesteps=ref.timesteps,
+                     not_finite={name: count for name, count in bad.items() if count}, **(rest | cut))
 
 
 def _numbers(name: str, values: np.ndarray, where: str) -> np.ndarray:
     """A stream as float64: (T,) for time and gripper, (T, columns) for the rest, T at least 1."""
     values = np.asarray(values)
-    axes = 1 if name in ("timestamps_s", "gripper") else 2
-    if values.dtype.kind not in "biuf" or values.ndim != axes or 0 in values.shape:
+    axes = 1 if name in ("timestamps", "gripper") else 2
+    if values.dtype.kind not in "iuf" or values.ndim != axes or 0 in values.shape:
         raise BadInput(f"{where}: {name} is {values.dtype} {values.shape}; expected real numbers of at least one "
                        f"timestep{' in columns' if axes == 2 else ''}")
     if name == "end_effector" and values.shape[1] != 6:

@@ -10,10 +10,10 @@ from __future__ import annotations
 import errno
 import json
 import re
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 
 from huggingface_hub import HfApi, constants
@@ -46,21 +46,13 @@ def silent(line: str) -> None:
 
 
 @dataclass(frozen=True)
-class RemoteFile:
-    """One file of a repository."""
-
-    path: str
-    size_bytes: int
-
-
-@dataclass(frozen=True)
 class Remote:
     """A repository at one commit, listed but not fetched."""
 
     repo_id: str
     revision: str  # 40 hexadecimal digits
     folder: Path  # where its files lie once fetched
-    files: tuple[RemoteFile, ...]
+    files: Mapping[str, int]  # name -> bytes
 
 
 def check_revision(revision: str) -> str:
@@ -90,30 +82,22 @@ def plainly(repo_id: str, revision: str | None, endpoint: str = constants.ENDPOI
         yield
     except BadInput:
         raise
-    except GatedRepoError as error:
-        raise BadInput(f"{where} is gated: accept its terms on {endpoint}/datasets/{repo_id}, "
-                       "run `hf auth login`, then try again") from error
-    except RevisionNotFoundError as error:
-        raise BadInput(
-            f"{where}: no such commit in this repository; leave the revision empty to take the newest") from error
-    except RepositoryNotFoundError as error:
-        raise BadInput(
-            f"{where}: no such data set, or it is private; check the name, or run `hf auth login`") from error
-    except EntryNotFoundError as error:
-        raise BadInput(
-            f"{where}: a file that was listed is not there, or there is no network: {_short(error)}") from error
-    except HFValidationError as error:
-        raise BadInput(f"{repo_id!r} is no repository name; allowed is owner/name: {_short(error)}") from error
-    except HfHubHTTPError as error:
-        raise BadInput(f"{where}: the Hub refused: {_short(error)}") from error
-    except (OSError, httpx.HTTPError) as error:
-        if getattr(error, "errno", None) in DISK_ERRORS:
-            raise BadInput(f"{where}: cannot be kept on this disk: {_short(error)}") from error
-        raise BadInput(f"{where}: no network, or the Hub did not answer ({type(error).__name__}: {_short(error)}); "
-                       "give a local folder instead, or try again: files already fetched are kept") from error
-    except Exception as error:  # what the client raises while it reads an answer that is not the Hub's
-        raise BadInput(f"{where}: what answered is no Hub, or a proxy's page came instead "
-                       f"({type(error).__name__}: {_short(error)})") from error
+    except Exception as error:  # the last of them is what the client raises while it reads an answer of something else
+        name = f"{type(error).__name__}: {_short(error)}"
+        kept = isinstance(error, OSError) and error.errno in DISK_ERRORS
+        raise BadInput(f"{where}" + next(meaning for kind, meaning in (
+            (GatedRepoError, f" is gated: accept its terms on {endpoint}/datasets/{repo_id}, run `hf auth login`, then "
+             "try again"),
+            (RevisionNotFoundError, ": no such commit in this repository; leave the revision empty to take the newest"),
+            (RepositoryNotFoundError, ": no such data set, or it is private; check the name, or run `hf auth login`"),
+            (EntryNotFoundError, f": a file that was listed is not there, or there is no network: {_short(error)}"),
+            (HFValidationError, f": {repo_id!r} is no repository name; allowed is owner/name: {_short(error)}"),
+            (HfHubHTTPError, f": the Hub refused: {_short(error)}"),
+            (OSError if kept else (), f": cannot be kept on this disk: {_short(error)}"),
+            ((OSError, httpx.HTTPError), f": no network, or the Hub did not answer ({name}); give a local folder "
+             "instead, or try again: files already fetched are kept"),
+            (Exception, f": what answered is no Hub, or a proxy's page came instead ({name})"),
+        ) if isinstance(error, kind))) from error
 
 
 def _short(error: Exception) -> str:
@@ -150,48 +134,43 @@ def list_remote(repo_id: str, revision: str | None, folder: Path, *, log: Log = 
             files = _judged(((entry.path, entry.size) for entry in tree if hasattr(entry, "size")), where)
     remote = Remote(repo_id, revision, target, files)
     _keep(remote)
-    total = sum(file.size_bytes for file in files) / 1e9
+    total = sum(files.values()) / 1e9
     log(f"{repo_id}@{revision[:8]}: {len(files)} files, {total:.2f} GB in all")
     return remote
 
 
-def _judged(rows: Iterable[tuple[object, object]], where: str) -> tuple[RemoteFile, ...]:
+def _judged(rows: Iterable[tuple[object, object]], where: str) -> dict[str, int]:
     """The names and sizes of a listing.
 
     Raises:
         BadInput: no file at all, too many, a name that leaves the folder, or a value of the wrong type.
     """
-    files: list[RemoteFile] = []
+    files: dict[str, int] = {}
     for path, size in rows:
         within("files", len(files) + 1, f"{where}: its listing")
         if not isinstance(path, str) or type(size) is not int or size < 0:
             raise BadInput(f"{where}: its listing holds {str(path)[:80]!r} of {str(size)[:40]!r} bytes; allowed: a "
                            "name and a number from 0 on")
-        files.append(RemoteFile(safe_name(path, where), size))
+        files[safe_name(path, where)] = size
     if not files:
         raise BadInput(f"{where}: its listing holds no file")
-    return tuple(files)
+    return files
 
 
-def _kept(path: Path) -> tuple[RemoteFile, ...] | None:
+def _kept(path: Path) -> dict[str, int] | None:
     """A listing that was kept; None where there is none that is as it was kept."""
-    if not path.is_file():
-        return None
     try:
-        rows = read_json(path, "a listing that was kept").get("files")
-        pairs = [(row.get("path"), row.get("size_bytes")) for row in rows if isinstance(row, dict)] if isinstance(
-            rows, list) else []
-        return _judged(pairs, str(path))
-    except BadInput:
+        return _judged(read_json(path, "a listing that was kept").get("files", {}).items(), str(path))
+    except (BadInput, AttributeError):
         return None
 
 
 def _keep(remote: Remote) -> None:
     """Write the listing, complete or not at all."""
     remote.folder.mkdir(parents=True, exist_ok=True)
-    record = {"repo_id": remote.repo_id, "revision": remote.revision, "files": [asdict(file) for file in remote.files]}
     draft = remote.folder / (LISTING + ".part")
-    draft.write_text(json.dumps(record), encoding="utf-8")
+    draft.write_text(json.dumps({name: getattr(remote, name) for name in ("repo_id", "revision", "files")}),
+                     encoding="utf-8")
     draft.replace(remote.folder / LISTING)
 
 
@@ -210,7 +189,7 @@ def fetch(remote: Remote, names: Sequence[str], *, size_cap_gb: float, log: Log 
         BadInput: a name or size that is not as listed, above the cap, what `plain_files` refuses,
             or see `plainly`.
     """
-    sizes = {file.path: file.size_bytes for file in remote.files}
+    sizes = remote.files
     unknown = [name for name in names if name not in sizes]
     if unknown:
         raise BadInput(f"{remote.repo_id}@{remote.revision[:8]} has no file {unknown[0]!r} "

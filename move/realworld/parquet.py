@@ -45,7 +45,7 @@ def read_columns(path: Path, columns: Sequence[str], *, episode: int | None = No
 
 
 def is_numeric(kind: pa.DataType) -> bool:
-    """Whether a column holds numbers, alone or in lists."""
+    """Whether a column holds numbers, alone or in lists; true and false are none."""
     while isinstance(kind, pa.BaseExtensionType) or pa.types.is_nested(kind):
         if isinstance(kind, pa.BaseExtensionType):
             kind = kind.storage_type
@@ -53,12 +53,20 @@ def is_numeric(kind: pa.DataType) -> bool:
             return False
         else:
             kind = kind.value_type
-    return pa.types.is_integer(kind) or pa.types.is_floating(kind) or pa.types.is_boolean(kind)
+    return pa.types.is_integer(kind) or pa.types.is_floating(kind)
 
 
-def numeric_names(path: Path) -> list[str]:
-    """Names of the columns that hold numbers, alone or in lists."""
-    return [field.name for field in _opened(path).schema_arrow if is_numeric(field.type)]
+def numeric_names(path: Path, needed: Sequence[str] = ()) -> list[str]:
+    """Names of the columns that hold numbers, alone or in lists.
+
+    Raises:
+        BadInput: a column of `needed` is there and holds something else.
+    """
+    kinds = {field.name: field.type for field in _opened(path).schema_arrow}
+    for name in needed:
+        if name in kinds and not is_numeric(kinds[name]):
+            raise BadInput(f"{path}: column {name!r}: found {kinds[name]}; expected numbers")
+    return [name for name, kind in kinds.items() if is_numeric(kind)]
 
 
 def _opened(path: Path) -> pq.ParquetFile:

@@ -5,6 +5,8 @@ The flange is what the arm reports; a gripper's finger tips lie further along th
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 from scipy.spatial.transform import Rotation
 
@@ -47,10 +49,15 @@ def forward_kinematics(joints_rad: np.ndarray) -> np.ndarray:
         joints_rad: (T, 6) rad.
 
     Returns:
-        (T, 6).
+        (T, 6); NaN where a joint is not finite.
     """
-    pose = flange_transform(joints_rad)
-    return np.column_stack([pose[:, :3, 3], Rotation.from_matrix(pose[:, :3, :3]).as_euler("xyz")])
+    joints_rad = np.asarray(joints_rad, dtype=float)
+    finite = np.isfinite(joints_rad).all(axis=1)
+    pose, found = flange_transform(joints_rad[finite]), np.full((len(joints_rad), 6), np.nan)
+    if finite.any():
+        turned = Rotation.from_matrix(pose[:, :3, :3]).as_euler("xyz")
+        found[finite] = np.column_stack([pose[:, :3, 3], turned])
+    return found
 
 
 def reach(points_m: np.ndarray, *, steps: int = 80, down: float = 0.15) -> np.ndarray:
@@ -86,3 +93,23 @@ def reach(points_m: np.ndarray, *, steps: int = 80, down: float = 0.15) -> np.nd
         change = np.linalg.solve(turned @ jacobian + 1e-4 * np.eye(6), turned @ (wanted - here)[:, :, None])[:, :, 0]
         joints = np.clip(joints + np.clip(change, -0.3, 0.3), LIMITS_RAD[:, 0], LIMITS_RAD[:, 1])
     return joints
+
+
+def is_piper(robot: str | None) -> bool:
+    """Whether what a data set calls its arm is a PIPER; the longer PIPER-X, -L and -H have other kinematics.
+
+    >>> [is_piper(name) for name in ("piper", "bi_piper_follower", "Cobot Magic", "piper_x", "so100", None)]
+    [True, True, True, False, False, False]
+    """
+    words = set(re.split(r"[^a-z0-9]+", (robot or "").lower()))
+    return ("piper" in words or {"cobot", "magic"} <= words) and not words & {"x", "l", "h"}
+
+
+def outside_limits(joints_rad: np.ndarray, *, slack_rad: float = 0.1) -> float:
+    """Share of timesteps with a joint outside PIPER's limits.
+
+    Args:
+        joints_rad: (T, 6) rad.
+    """
+    low, high = LIMITS_RAD.T
+    return float(((joints_rad < low - slack_rad) | (joints_rad > high + slack_rad)).any(axis=1).mean())

@@ -17,7 +17,7 @@ import pyarrow.parquet as pq
 
 from move.paper import REAL_RADIUS_M
 from move.realworld.dataset import SIMULATED
-from move.realworld.formats import lerobot_v2
+from move.realworld.formats.lerobot import DATA, V2, VIDEO
 from move.realworld.lerobot_files import scalar_columns, scalar_features, vectors
 from move.realworld.piper import forward_kinematics, reach
 from move.video import write_video
@@ -169,7 +169,7 @@ def _info(episodes: int, frames: int) -> dict:
     return {
         "codebase_version": "v2.1", "robot_type": "piper", "total_episodes": episodes, "total_frames": frames,
         "total_tasks": 1, "total_videos": episodes, "total_chunks": 1, "chunks_size": 1000, "fps": FPS,
-        "splits": {"train": f"0:{episodes}"}, "data_path": lerobot_v2.DATA, "video_path": lerobot_v2.VIDEO,
+        "splits": {"train": f"0:{episodes}"}, "data_path": DATA[V2], "video_path": VIDEO[V2],
         "features": {
             "observation.state": {"dtype": "float32", "shape": [len(NAMES)], "names": NAMES},
             "action": {"dtype": "float32", "shape": [7], "names": NAMES[:7]},

@@ -11,7 +11,8 @@ the same position for every method.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import csv
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -21,7 +22,7 @@ from scipy import stats
 from move.errors import BadInput
 from move.paper import PAPER_METHODS, REAL_POINTS
 from move.statistics.intervals import exact_interval
-from move.untrusted import reading
+from move.untrusted import read_text, reading
 
 COLUMNS = ("trial", "method", "position_x_m", "position_y_m", "score")
 FARTHEST_M = 1.5  # beyond the arm's reach in any case; catches centimetres
@@ -36,19 +37,23 @@ def read_sheet(path: Path | str) -> pd.DataFrame:
     Raises:
         BadInput: one line that names the file, the line and what is allowed there.
     """
-    with reading(path, "a CSV scoring sheet"), Path(path).open("rb") as file:  # pandas would take an address too
-        sheet = pd.read_csv(file, dtype=str, keep_default_na=False, skipinitialspace=True)
-    if tuple(sheet.columns) != COLUMNS:
-        raise BadInput(f"{path}: columns {list(sheet.columns)}; expected {list(COLUMNS)}")
-    if sheet.empty:
+    with reading(path, "a CSV scoring sheet"):
+        text = read_text(Path(path)).removeprefix("\ufeff")
+        lines = list(csv.reader(text.splitlines(), skipinitialspace=True, strict=True))
+    header, trials = tuple(lines[0]) if lines else (), [(n, line) for n, line in enumerate(lines[1:], 2) if line]
+    if header != COLUMNS:
+        raise BadInput(f"{path}: columns {list(header)[:12]}; expected {list(COLUMNS)}")
+    if not trials:
         raise BadInput(f"{path}: no trials below the header")
-    rows = [_row(path, line, values) for line, values in enumerate(sheet.itertuples(index=False), start=2)]
+    rows = {line: _row(path, line, values) for line, values in trials}
     _refuse_repeats(path, rows)
-    return pd.DataFrame(rows, columns=COLUMNS)
+    return pd.DataFrame(list(rows.values()), columns=COLUMNS)
 
 
 def _row(path: Path | str, line: int, values: Sequence[str]) -> tuple[int, str, float, float, int]:
-    trial, method, x, y, score = (str(value).strip() for value in values)
+    if len(values) != len(COLUMNS):
+        raise BadInput(f"{path}, line {line}: {len(values)} values; allowed: {len(COLUMNS)}, as the header has")
+    trial, method, x, y, score = (value.strip() for value in values)
     if (method := method.lower()) not in PAPER_METHODS:
         raise BadInput(f"{path}, line {line}: method {method!r}; allowed: {', '.join(PAPER_METHODS)}")
     return (_whole(path, line, "trial", trial, 1, 100_000), method, _metres(path, line, "position_x_m", x),
@@ -71,11 +76,11 @@ def _metres(path: Path | str, line: int, column: str, text: str) -> float:
     return value
 
 
-def _refuse_repeats(path: Path | str, rows: Sequence[tuple]) -> None:
+def _refuse_repeats(path: Path | str, rows: Mapping[int, tuple]) -> None:
     """Refuse a trial scored twice, and a trial number that stands for two positions."""
     seen: set[tuple[str, int]] = set()
     place: dict[int, tuple[float, float]] = {}
-    for line, (trial, method, x, y, _) in enumerate(rows, start=2):
+    for line, (trial, method, x, y, _) in rows.items():
         if (method, trial) in seen:
             raise BadInput(f"{path}, line {line}: trial {trial} of {method} is scored twice; allowed: once a method")
         if np.hypot(*np.subtract(place.setdefault(trial, (x, y)), (x, y))) > 0.02:

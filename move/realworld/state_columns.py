@@ -1,4 +1,4 @@
-"""Which column of a state vector is what, from its names, or from its width where it has none."""
+"""Which column of a state vector is what: from its names, or from its width where it has none."""
 
 from __future__ import annotations
 
@@ -9,11 +9,20 @@ from dataclasses import dataclass
 import numpy as np
 
 POSE = ("x", "y", "z", "roll", "pitch", "yaw")
-_JOINT = re.compile(r"(?:^|_)(?:joint|j|motor)_?(\d+)(?:_|$)")
-_POSE = re.compile(
-    r"(?:^|_)(?:(?:eef|ee|end|endpose|tcp)_?)?(?:pose|pos|rot|position|rotation)?_?(x|y|z|roll|pitch|yaw)"
-    r"(?:_(?:m|mm|rad|deg))?$")
 _ROTATION_AXIS = {"x": "roll", "y": "pitch", "z": "yaw"}
+UNITS = {"rad": "rad", "radian": "rad", "radians": "rad", "deg": "deg", "degree": "deg", "degrees": "deg",
+         "mdeg": "mdeg", "m": "m", "mm": "mm", "um": "um", "percent": "percent", "pct": "percent"}
+# words of a name, in lower case
+_SIDES = {"l": "left", "r": "right", "left": "left", "right": "right"}
+_GRIPPER = {"gripper", "grippers", "grasper", "jaw", "claw"}
+_NO_PLACE = {"vel", "velocity", "speed", "acc", "acceleration", "effort", "torque", "tau", "force", "current", "load",
+             "temperature", "voltage", "target", "goal", "command", "cmd"}
+_NO_ARM = {"leg", "hip", "knee", "ankle", "foot", "head", "neck", "torso", "hand", "finger", "thumb", "object", "cube"}
+_OF_A_POSE = {"eef", "ee", "end", "effector", "endpose", "tcp", "pose", "pos", "position", "rot", "rotation", "euler",
+              "flange", "arm", "sim", "observation", "state", *_SIDES, *_GRIPPER}
+_JOINT_WORDS = {"shoulder", "elbow", "wrist", "forearm", "waist"}
+_JOINT = re.compile(r"(?:^|_)(?:joint|motor|axis|j)_?(\d+)(?:_|$)")
+_LIMB = re.compile(r"(?:^|_)((?:arm|robot|follower|puppet)_?\d+|leader|master)_")
 
 
 @dataclass(frozen=True)
@@ -40,47 +49,76 @@ def flat_names(names: object) -> list[str]:
     ]
 
 
-def split_columns(names: Sequence[str], width: int) -> tuple[dict[str, Columns], str | None]:
+def split_columns(names: Sequence[str], width: int, *, piper_order: bool = True
+                  ) -> tuple[dict[str, Columns], str | None]:
     """Tell the arms, joints, pose and gripper of a state vector apart.
 
     Args:
-        names: one name a column, or none.
+        names: one name a column; another number of names is none.
         width: number of columns found in the data.
+        piper_order: whether a state without names may be PIPER's.
 
     Returns:
-        arm ("left", "right", "") -> columns, and a note where something had to be assumed.
+        limb ("", "left", "right", "arm_1", ...) -> columns, and a note where something had to be assumed or is left.
     """
-    arms = _by_name(names) if len(names) == width else {}
-    if arms:
-        return arms, None
-    why = "no names" if not names else f"{len(names)} names that say nothing"
-    arms = _by_width(width)
-    note = (f"state of {width} columns with {why}: order assumed from the width" if arms else
-            f"state of {width} columns with {why}: kept as stored; for an arm, 6, 7, 12, 13 or 14 columns or names "
-            "are expected")
-    return arms, note
+    if len(names) == width:
+        arms, left = _by_name(names)
+        return arms, f"{left} of {width} columns are of no arm by their names: kept as stored" if left else None
+    what = f"state of {width} columns with " + (f"{len(names)} names" if names else "no names")
+    arms = _by_width(width) if piper_order else {}
+    return arms, f"{what}: " + ("order assumed from the width" if arms else "kept as stored; for PIPER's arm 6, 7, 12, "
+                                "13 or 14 columns, for another names are expected")
 
 
-def _by_name(names: Sequence[str]) -> dict[str, Columns]:
-    """Sort columns by what their names say; a name that says nothing is left out."""
-    arms: dict[str, dict] = {}
-    for column, name in enumerate(names):
-        low = re.sub(r"[.\-/ ]+", "_", name.lower())
-        side = next((side for side in ("left", "right") if side in low), "")
-        arm = arms.setdefault(side, {"joints": {}, "pose": {}, "gripper": None})
-        if "gripper" in low or "grasper" in low:
-            arm["gripper"] = column if arm["gripper"] is None else arm["gripper"]
-        elif match := _JOINT.search(low):
-            arm["joints"].setdefault(int(match.group(1)), column)
-        elif match := _POSE.search(low):
-            axis = match.group(1)
-            arm["pose"].setdefault(_ROTATION_AXIS.get(axis, axis) if "rot" in low.split("_") else axis, column)
-    return {side: _columns(arm) for side, arm in arms.items() if arm["joints"] or set(POSE) <= set(arm["pose"])}
+def words(name: str) -> list[str]:
+    """The words of a name, in lower case.
+
+    >>> words("rightArm.wrist_roll.pos")
+    ['right', 'arm', 'wrist', 'roll', 'pos']
+    """
+    return [word for word in re.split(r"[^a-z0-9]+", re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).lower()) if word]
 
 
-def _columns(arm: dict) -> Columns:
-    pose = tuple(arm["pose"][axis] for axis in POSE) if set(POSE) <= set(arm["pose"]) else ()
-    return Columns(tuple(column for _, column in sorted(arm["joints"].items())), pose, arm["gripper"])
+def _by_name(names: Sequence[str]) -> tuple[dict[str, Columns], int]:
+    """The arms that names tell apart, and how many columns are of none of them, speeds and efforts aside."""
+    limbs: dict[str, dict[tuple[str, str], int | None]] = {}
+    spoken = [words(name) for name in names]
+    for column, found in enumerate(spoken):
+        if (what := _meaning(found)) is None:
+            continue
+        side = next((_SIDES[word] for word in found if word in _SIDES), "")
+        parts = limbs.setdefault("_".join(filter(None, (side, *_LIMB.findall("_".join(found))))), {})
+        parts[what] = None if what in parts else column  # what two columns claim is neither's
+    arms = {limb: _columns(parts) for limb, parts in limbs.items()}
+    arms = {limb: arm for limb, arm in arms.items() if arm.joints or arm.pose}
+    read = {column for arm in arms.values() for column in (*arm.joints, *arm.pose, arm.gripper)}
+    return arms, sum(column not in read and not set(found) & _NO_PLACE for column, found in enumerate(spoken))
+
+
+def _meaning(found: list[str]) -> tuple[str, str] | None:
+    """What the words of a column's name say it is: a joint, an axis of the pose, the gripper, or none of them."""
+    body = found[:-1] if found[1:] and found[-1] in UNITS else found
+    if not body or set(found) & (_NO_PLACE | _NO_ARM):
+        return None
+    if body[-1] in POSE and set(body[:-1]) <= _OF_A_POSE:
+        turned = set(body) & {"rot", "rotation", "euler"}
+        return "pose", _ROTATION_AXIS.get(body[-1], body[-1]) if turned else body[-1]
+    if set(body) & _GRIPPER:
+        return "gripper", ""
+    if number := _JOINT.search("_".join(body)):
+        return "joint", number.group(1)
+    return ("joint", "_".join(body)) if set(body) & _JOINT_WORDS and body[-1] not in POSE[:3] else None
+
+
+def _columns(parts: dict[tuple[str, str], int | None]) -> Columns:
+    """The columns of one limb; joints with numbers are in the order of these, others as they are stored."""
+    joints = {place: column for (kind, place), column in parts.items() if kind == "joint"}
+    order = sorted(joints, key=int) if all(place.isdigit() for place in joints) else list(joints)
+    pose = [parts.get(("pose", axis)) for axis in POSE]
+    known = [column for column in map(joints.get, order) if column is not None]
+    return Columns(tuple(known) if len(known) == len(order) else (),
+                   tuple(column for column in pose if column is not None) if None not in pose else (),
+                   parts.get(("gripper", "")))
 
 
 def _by_width(width: int) -> dict[str, Columns]:
@@ -88,39 +126,46 @@ def _by_width(width: int) -> dict[str, Columns]:
     one = Columns(tuple(range(6)))
     return {
         6: {"": one}, 7: {"": Columns(one.joints, (), 6)}, 12: {"": Columns(one.joints, tuple(range(6, 12)))},
-        13: {"": Columns(one.joints, tuple(range(7, 13)),
-                         6)}, 14: {"left": Columns(one.joints, (), 6), "right": Columns(tuple(range(7, 13)), (), 13)},
+        13: {"": Columns(one.joints, tuple(range(7, 13)), 6)},
+        14: {"left": Columns(one.joints, (), 6), "right": Columns(tuple(range(7, 13)), (), 13)},
     }.get(width, {})
 
 
-def busiest(arms: dict[str, Columns], state: np.ndarray) -> tuple[Columns, str | None]:
-    """Choose the arm that moves most, and say so when there was a choice.
+def arm_streams(state: np.ndarray, names: Sequence[str] = (), *, piper_order: bool = True
+                ) -> tuple[dict[str, np.ndarray], dict[str, str], list[str]]:
+    """Joints, pose and gripper of the arm that moves most in a state vector.
 
     Args:
-        arms: from `split_columns`, at least one.
         state: (T, width).
+        names, piper_order: as for `split_columns`.
+
+    Returns:
+        Streams "joints", "end_effector" and "gripper" where they are told; units that names state; notes.
     """
-    if len(arms) == 1:
-        return next(iter(arms.values())), None
-    travel = {side: float(np.abs(np.diff(state[:, list(c.joints + c.pose)], axis=0)).sum()) for side, c in arms.items()}
-    side = max(travel, key=lambda arm: travel[arm])
-    return arms[side], f"{len(arms)} arms recorded: the {side or 'unnamed'} one moves most and is read"
+    arms, note = split_columns(names, state.shape[1], piper_order=piper_order)
+    notes = [note] if note else []
+    if not arms:
+        return {}, {}, notes
+    steps = np.abs(np.diff(state, axis=0))
+    travel = {limb: float(np.nansum(steps[:, list(arm.joints + arm.pose)])) for limb, arm in arms.items()}
+    limb = max(travel, key=lambda arm: travel[arm])
+    if len(arms) > 1:
+        notes.append(f"{len(arms)} arms recorded: the {limb or 'unnamed'} one moves most and is read")
+    arm = arms[limb]
+    streams = {"joints": arm.joints, "end_effector": arm.pose, "gripper": () if arm.gripper is None else arm.gripper}
+    found = {name: state[:, columns] for name, columns in streams.items() if columns != ()}
+    return found, unit_hints(names, arm) if len(names) == state.shape[1] else {}, notes
 
 
 def unit_hints(names: Sequence[str], columns: Columns) -> dict[str, str]:
     """Units that the column names state, e.g. `arm_joint_1_rad` or `gripper_open_scale`."""
-    if not names:
-        return {}
-
-    def stated(numbers: Sequence[int], words: Sequence[str]) -> str | None:
-        endings = {names[n].lower().rsplit("_", 1)[-1] for n in numbers}
-        return endings.pop() if len(endings) == 1 and endings <= set(words) else None
-
-    hints = {
-        "joints": stated(columns.joints, ("rad", "deg", "mdeg")), "position": stated(columns.pose[:3], ("m", "mm")),
-        "rotation": stated(columns.pose[3:], ("rad", "deg")),
-    }
-    if columns.gripper is not None:
-        low = names[columns.gripper].lower()
-        hints["gripper"] = "normalised" if low.endswith("open_scale") else stated([columns.gripper], ("m", "mm"))
-    return {quantity: unit for quantity, unit in hints.items() if unit}
+    numbers = {"joints": columns.joints, "position": columns.pose[:3], "rotation": columns.pose[3:],
+               "gripper": () if columns.gripper is None else (columns.gripper,)}
+    hints = {}
+    for quantity, mine in numbers.items():
+        endings = {UNITS.get(words(names[n])[-1], "") for n in mine}
+        if len(endings) == 1 and (unit := endings.pop()):
+            hints[quantity] = unit
+    if columns.gripper is not None and words(names[columns.gripper])[-2:] == ["open", "scale"]:
+        hints["gripper"] = "normalised"
+    return hints

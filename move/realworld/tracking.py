@@ -13,6 +13,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.colors import rgb_to_hsv
 
+from move.errors import BadInput
 from move.realworld.episode import RobotEpisode
 from move.realworld.workspace import grasp_step
 
@@ -65,7 +66,7 @@ def object_places(episodes: Sequence[RobotEpisode], camera: str, *, gap_steps: i
     Frames `gap_steps` apart are looked at, so that a still orange's jitter of a fraction of a pixel stays small.
 
     Args:
-        camera: name of a camera; episodes without it are left out.
+        camera: name of a camera; episodes without it, or whose frames cannot be read, are left out.
 
     Returns:
         One row a frame: method, part, index, step, time_s, row and column (pixels, NaN where hidden), height and
@@ -74,8 +75,12 @@ def object_places(episodes: Sequence[RobotEpisode], camera: str, *, gap_steps: i
     tables = [pd.DataFrame(columns=["method", "part", "index", "step", "time_s", "row", "column", "height", "width"])]
     for e in (e for e in episodes if camera in e.cameras):
         end = (grasp_step(e.gripper) if e.gripper is not None else None) or e.timesteps
-        numbers = np.arange(0, min(end, e.timesteps, len(e.cameras[camera])), gap_steps)
-        frames = e.cameras[camera].read(numbers)
+        try:
+            there = e.cameras[camera].numbers() >= 0
+            numbers = np.array([n for n in range(0, min(end, len(there)), gap_steps) if there[n]], dtype=int)
+            frames = e.cameras[camera].read(numbers)
+        except BadInput:
+            continue  # `checks` names it
         centres = track_orange(frames)
         tables.append(
             pd.DataFrame({

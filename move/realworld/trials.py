@@ -14,7 +14,7 @@ from statsmodels.stats.proportion import confint_proportions_2indep
 
 from move.errors import BadInput
 from move.paper import REAL_POINTS, REAL_TRIALS, TABLE3_REAL
-from move.statistics.intervals import exact_interval, student_half_width
+from move.statistics.intervals import exact_interval
 
 
 def real_table(cells: pd.DataFrame = TABLE3_REAL, *, trials: int = REAL_TRIALS, level: float = 0.95) -> pd.DataFrame:
@@ -160,18 +160,3 @@ def score_distributions(successes: int, score: int, trials: int = REAL_TRIALS) -
             rows.append({"zero": zero, "one": one, "two": two, "three": successes, "sd": spread**0.5, "weight": ways})
     table = pd.DataFrame(rows)
     return table.assign(weight=[float(ways / sum(table["weight"])) for ways in table["weight"]])
-
-
-def score_interval(successes: int, score: int, trials: int = REAL_TRIALS, *,
-                   level: float = 0.95) -> tuple[float, float]:
-    """Widest Student interval of the normalised score over all the ways the trials can have been shared.
-
-    The paper gives totals only, so the spread of single trials is not known; the widest spread is taken.
-
-    Returns:
-        (low, high) within 0..1.
-    """
-    spread = float(score_distributions(successes, score, trials)["sd"].max())
-    half = student_half_width(spread, trials, level=level)
-    mean = score / trials
-    return max(0.0, (mean - half) / REAL_POINTS), min(1.0, (mean + half) / REAL_POINTS)

@@ -1,7 +1,9 @@
-"""In which units a data set is written: told by column names, else by the size of the numbers, else by the reader.
+"""In which units a data set is written: told by names, else by the size of the numbers, else by the reader.
 
 | quantity | what is seen | unit |
 |---|---|---|
+| time | median step times the stated rate, else the median step: 0.002 to 1 | s |
+| | a thousand, a million, a thousand million times as much | ms, us, ns |
 | joints, rotation | largest absolute value > 1000 | mdeg (0.001 degree, the arm's own bus) |
 | | 7 to 360 | deg |
 | | at most 3.2 | rad |
@@ -14,49 +16,59 @@
 | | 50 to 200 | mm |
 | | > 1000 | um |
 
-Whatever falls between is `unknown` and stays out of the episodes until a units file names it:
+LeRobot's own arms (SO-100, SO-101, Koch) have joints in degrees or from -100 to 100 per cent, which no size tells
+apart, and grippers in per cent; so may any arm that is not stated to be a PIPER. Whatever cannot be told is `unknown`
+and stays out of the episodes until a units file names it:
 
     "*":                 # every part, or a part's folder name
-      joints: deg
+      joints: deg        # or percent: known, and no angle
       gripper: half_m    # half the gap, in m
       gripper_closed_is: high
+      time: ms
+      arm: piper         # where the data set does not name its arm
       method: static     # where the folder's name does not tell
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+import re
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
-import yaml
 
+from move import yaml_text
 from move.errors import BadInput
 from move.paper import PAPER_METHODS
 from move.realworld.episode import Recording, RobotEpisode
-from move.realworld.piper import LIMITS_RAD
-from move.untrusted import reading
+from move.realworld.piper import is_piper
+from move.untrusted import read_text, reading
 
 ANGLE = {"rad": 1.0, "deg": np.pi / 180, "mdeg": np.pi / 180e3}
 LENGTH = {"m": 1.0, "mm": 1e-3, "um": 1e-6}
+TIME = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 PIKA_OPEN_RAD = 1.6
-# quantity -> unit -> factor to SI (or to 0..1 for a gripper that is not in metres)
-FACTORS = {
-    "joints": ANGLE, "position": LENGTH, "rotation": ANGLE,
-    "gripper": LENGTH | {"half_m": 2.0, "normalised": 1.0, "pika_rad": 1 / PIKA_OPEN_RAD},
-}
-OPENS_TO_ONE = ("normalised", "pika_rad")
-CHOICES = {"gripper_closed_is": ("low", "high"), "method": PAPER_METHODS}
-# quantity -> (lowest, highest allowed largest absolute value, unit)
+# unit of a gripper -> factor, unit that it is turned into
+GRIPPER = {"m": (1.0, "m"), "mm": (1e-3, "m"), "um": (1e-6, "m"), "half_m": (2.0, "m"),
+           "normalised": (1.0, "normalised"), "percent": (0.01, "normalised"),
+           "pika_rad": (1 / PIKA_OPEN_RAD, "normalised"), "rad": (1.0, "rad"), "deg": (np.pi / 180, "rad")}
+UNITS = {"time": tuple(TIME), "joints": (*ANGLE, "percent"), "position": tuple(LENGTH), "rotation": tuple(ANGLE),
+         "gripper": tuple(GRIPPER)}
+CHOICES = {"gripper_closed_is": ("low", "high"), "arm": ("piper", "other"), "method": PAPER_METHODS}
+# quantity -> (lowest, highest allowed largest absolute value, unit); of time the median step
 RANGES = {
+    "time": ((0.002, 1.0, "s"), (2.0, 1e3, "ms"), (2e3, 1e6, "us"), (2e6, 1e9, "ns")),
     "joints": ((0.0, 3.2, "rad"), (7.0, 360.0, "deg"), (1000.0, np.inf, "mdeg")),
     "rotation": ((0.0, 3.2, "rad"), (7.0, 360.0, "deg"), (1000.0, np.inf, "mdeg")),
     "position": ((0.0, 2.0, "m"), (10.0, 2000.0, "mm"), (2000.0, np.inf, "um")),
     "gripper": ((0.0, 0.11, "m"), (0.11, 1.05, "normalised"), (1.2, 1.8, "pika_rad"), (50.0, 200.0, "mm"),
                 (1000.0, np.inf, "um")),
 }
+MOST = {"percent": 120.0, "rad": 6.3, "deg": 360.0, "normalised": 1.2}  # of a gripper whose name states the unit
+PER_CENT = 100.0
+_IN_PER_CENT = re.compile(r"so[-_]?10[01]|koch|lekiwi|moss|omx", re.IGNORECASE)  # LeRobot's arms of hobby motors
 
 
 @dataclass(frozen=True)
@@ -72,18 +84,23 @@ class UnitRow:
     note: str = ""
 
 
-def read_units_file(path: Path | None) -> dict[str, dict[str, str]]:
+def read_units_file(path: Path | None, parts: Collection[str] = ()) -> dict[str, dict[str, str]]:
     """Read a units file: part -> quantity -> unit.
 
+    Args:
+        parts: the names that a part may have, besides "*".
+
     Raises:
-        BadInput: not YAML, an unknown quantity or an unknown unit.
+        BadInput: not YAML, an unknown part, quantity or unit.
     """
     if path is None:
         return {}
     with reading(path, "a YAML mapping of part to quantity to unit"):
-        content = yaml.safe_load(Path(path).read_text(encoding="utf-8")) or {}
-        allowed = {quantity: tuple(units) for quantity, units in FACTORS.items()} | CHOICES
+        content = yaml_text.read(read_text(Path(path)), str(path)) or {}
+        allowed = UNITS | CHOICES
         for part, units in content.items():
+            if part not in ("*", *parts):
+                raise BadInput(f"{path}: part {part!r}; allowed: *, {', '.join(parts)}")
             for quantity, unit in units.items():
                 if unit not in allowed.get(quantity, ()):
                     raise BadInput(f"{path}: {part}: {quantity}: {unit!r}; allowed: " +
@@ -98,18 +115,22 @@ def detect_units(recordings: Sequence[Recording], overrides: Mapping[str, Mappin
         recordings: of one part, at least one.
         overrides: from `read_units_file`; the part's own entry wins over "*".
     """
-    part = recordings[0].part
-    given = {**overrides.get("*", {}), **overrides.get(part, {})}
-    hints = recordings[0].hints
-    return [_row(part, quantity, values, hints.get(quantity), given) for quantity, values in _pool(recordings).items()]
+    given = _given(recordings[0], overrides)
+    about = replace(recordings[0], robot=given.get("arm", recordings[0].robot))
+    return [_row(about, quantity, values, given) for quantity, values in _pool(recordings).items()]
+
+
+def _given(recording: Recording, overrides: Mapping[str, Mapping[str, str]]) -> dict[str, str]:
+    return {**overrides.get("*", {}), **overrides.get(recording.part, {})}
 
 
 def _pool(recordings: Sequence[Recording]) -> dict[str, np.ndarray]:
-    """All finite values of each quantity."""
-    pieces: dict[str, list[np.ndarray]] = {quantity: [] for quantity in FACTORS}
+    """All finite values of each quantity; of time the steps."""
+    pieces: dict[str, list[np.ndarray]] = {quantity: [] for quantity in UNITS}
     for r in recordings:
         pose = r.end_effector
         found = {
+            "time": None if r.timestamps is None else np.diff(r.timestamps),
             "joints": r.joints, "position": None if pose is None else pose[:, :3],
             "rotation": None if pose is None else pose[:, 3:], "gripper": r.gripper,
         }
@@ -129,27 +150,56 @@ def by_size(quantity: str, largest: float) -> str:
     return next((unit for low, high, unit in RANGES[quantity] if low <= largest <= high), "unknown")
 
 
-def _row(part: str, quantity: str, values: np.ndarray, hint: str | None, given: Mapping[str, str]) -> UnitRow:
+def _row(about: Recording, quantity: str, values: np.ndarray, given: Mapping[str, str]) -> UnitRow:
+    """Decide one quantity: by the units file, else by what names or the arm state, else by its size."""
     low, high = float(values.min()), float(values.max())
-    sized = by_size(quantity, max(abs(low), abs(high)))
+    largest = float(np.median(np.abs(values))) if quantity == "time" else max(abs(low), abs(high))
+    sized, hint, by, note = by_size(quantity, largest), about.hints.get(quantity), "names", ""
+    if quantity == "gripper" and hint is None and _IN_PER_CENT.search(about.robot or ""):
+        hint, by = "percent", "the arm"
+    if quantity == "time" and about.fps and (stated := by_rate(largest * about.fps)):
+        hint, by = stated, "the stated rate"
     if quantity in given:
-        unit, by, note = given[quantity], "units file", ""
-    elif hint and _contradict(quantity, hint, sized):
+        unit, by = given[quantity], "units file"
+    elif hint and by != "the stated rate" and _contradict(quantity, hint, sized, largest):
         unit, by, note = ("unknown", "nothing",
-                          f"column names say {hint}, the numbers look like {sized}: name it in a units file")
+                          f"{by}: {hint}; the numbers look like {sized}: name it in a units file")
     elif hint:
-        unit, by, note = hint, "column names", ""
+        unit = hint
+    elif percent := _may_be_percent(about, quantity, sized, largest):
+        unit, by, note = "unknown", "nothing", percent
     elif sized == "unknown":
         unit, by, note = sized, "nothing", "between the known ranges: name it in a units file"
     else:
         unit, by, note = sized, "size of the numbers", _caution(quantity, sized, high)
-    return UnitRow(part, quantity, unit, by, low, high, note)
+    return UnitRow(about.part, quantity, unit, by, low, high, note)
 
 
-def _contradict(quantity: str, hint: str, sized: str) -> bool:
+def by_rate(steps: float) -> str | None:
+    """Unit of time in which a median step is one of the stated rate, to 10 %; None: in none.
+
+    >>> by_rate(1.0), by_rate(1000.4), by_rate(100.0)
+    ('s', 'ms', None)
+    """
+    return next((unit for unit, seconds in TIME.items() if abs(steps * seconds - 1) <= 0.1), None)
+
+
+def _may_be_percent(about: Recording, quantity: str, sized: str, largest: float) -> str:
+    """Why numbers may be per cent as well as what they look like; "" where they may not."""
+    if is_piper(about.robot) or quantity not in ("joints", "gripper") or largest > PER_CENT:
+        return ""
+    if quantity == "gripper":
+        return "mm or per cent: name it in a units file (gripper: mm or percent)" if sized == "mm" else ""
+    if sized == "deg" or _IN_PER_CENT.search(about.robot or ""):
+        return "degrees or -100..100: name it in a units file (joints: deg or percent)"
+    return ""
+
+
+def _contradict(quantity: str, hint: str, sized: str, largest: float) -> bool:
     """Whether the numbers are too large for the stated unit (small numbers never contradict a name)."""
     order = [unit for _, _, unit in RANGES[quantity]]
-    return hint in order and sized in order and order.index(sized) > order.index(hint)
+    larger = hint in order and sized in order and order.index(sized) > order.index(hint)
+    return larger or quantity == "gripper" and largest > MOST.get(hint, np.inf)
 
 
 def _caution(quantity: str, unit: str, high: float) -> str:
@@ -162,49 +212,51 @@ def _caution(quantity: str, unit: str, high: float) -> str:
 
 def convert(recording: Recording, rows: Sequence[UnitRow], overrides: Mapping[str, Mapping[str, str]],
             method: str) -> RobotEpisode:
-    """Turn a recording into SI units; a quantity of unknown unit becomes None.
+    """Turn a recording into SI units; a quantity of unknown unit becomes None, and time NaN.
 
     Args:
         rows: of the recording's part, from `detect_units`.
         method: how it was collected, unless the overrides say it.
     """
     unit = {row.quantity: row.unit for row in rows if row.unit != "unknown"}
-    given = {**overrides.get("*", {}), **overrides.get(recording.part, {})}
+    given = _given(recording, overrides)
     pose = recording.end_effector
     if pose is not None:
         known = "position" in unit and "rotation" in unit
         scales = (LENGTH[unit["position"]], ANGLE[unit["rotation"]]) if known else ()
         pose = pose * np.repeat(scales, 3) if known else None
     gripper, gripper_unit = _gripper(recording.gripper, unit.get("gripper"), given.get("gripper_closed_is", "low"))
-    return RobotEpisode(
-        part=recording.part, method=given.get("method", method), index=recording.index, source=recording.source,
-        timestamps_s=recording.timestamps_s,
-        joints=recording.joints * ANGLE[unit["joints"]] if recording.joints is not None and "joints" in unit else None,
-        end_effector=pose, gripper=gripper, gripper_unit=gripper_unit, action=recording.action,
-        action_names=recording.action_names, state=recording.state, cameras=recording.cameras,
-        lengths=recording.lengths, notes=recording.notes)
+    joints = recording.joints * ANGLE[unit["joints"]] if (
+        recording.joints is not None and unit.get("joints") in ANGLE) else None
+    times_s = _times_s(recording, unit.get("time"))
+    origin_s = times_s[np.isfinite(times_s)][:1].sum()
+    told = recording.timestamps is not None or recording.fps
+    camera_s = times_s if told else times_s * np.nan  # a guessed time finds no picture
+    own = vars(recording) | {
+        "joints": joints, "end_effector": pose, "gripper": gripper, "robot": given.get("arm", recording.robot),
+        "cameras": {name: frames.at(camera_s) for name, frames in recording.cameras.items()}}
+    return RobotEpisode(**own, method=given.get("method", method), gripper_unit=gripper_unit,
+                        timestamps_s=times_s - origin_s)
+
+
+def _times_s(recording: Recording, unit: str | None) -> np.ndarray:
+    """Times of the timesteps in the data set's own clock, (T,) s; NaN where their unit is unknown."""
+    steps = np.arange(recording.timesteps)
+    if recording.timestamps is None:
+        return steps / (recording.fps or recording.assumed_fps)
+    if len(steps) == 1:
+        return recording.timestamps * TIME[unit or "s"]
+    return recording.timestamps * (TIME[unit] if unit else np.nan)
 
 
 def _gripper(values: np.ndarray | None, unit: str | None, closed_is: str) -> tuple[np.ndarray | None, str | None]:
     if values is None or unit is None:
         return None, None
-    opening = values * FACTORS["gripper"][unit]
-    if unit not in OPENS_TO_ONE:
-        return opening, "m"
-    return (1.0 - opening if closed_is == "high" else opening), "normalised"
+    factor, turned_into = GRIPPER[unit]
+    opening = values * factor
+    return (1.0 - opening if turned_into == "normalised" and closed_is == "high" else opening), turned_into
 
 
 def units_table(rows: Sequence[UnitRow]) -> pd.DataFrame:
     """One row a part and quantity: unit, who decided, the range seen in the file's units, and a caution."""
     return pd.DataFrame([asdict(row) for row in rows], columns=list(UnitRow.__dataclass_fields__))
-
-
-def outside_limits(joints_rad: np.ndarray, *, slack_rad: float = 0.1) -> float:
-    """Share of timesteps with a joint outside PIPER's limits.
-
-    Args:
-        joints_rad: (T, n) rad; only the first six are judged.
-    """
-    joints = joints_rad[:, :6]
-    low, high = LIMITS_RAD[:joints.shape[1]].T
-    return float(((joints < low - slack_rad) | (joints > high + slack_rad)).any(axis=1).mean())

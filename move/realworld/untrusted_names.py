@@ -1,4 +1,4 @@
-"""Names that come from a data set are not trusted: they stay inside its folder."""
+"""Names that come from a data set are not trusted: they stay inside its folder, and are shown as what they are."""
 
 from __future__ import annotations
 
@@ -10,7 +10,26 @@ from move.errors import BadInput
 
 _FIELD = re.compile(r"\{(\w+)(?::0?(\d{1,2})d)?\}")
 _LONGEST = 1_000  # characters of a name
+_MARKUP = "<>&\"'`"
 _FIELDS = {"episode_chunk", "episode_index", "video_key", "chunk_index", "file_index"}
+
+
+def plain_text(text: str, where: object) -> str:
+    """Return a text that a data set gives and a reader will see, or refuse it.
+
+    Args:
+        where: the data set or file that holds the text, for the message.
+
+    Raises:
+        BadInput: very long, or it holds markup, a control character, or one that is not seen or turns the text round.
+    """
+    if len(text) > _LONGEST:
+        raise BadInput(f"name {text[:40]!r}... in {where} has {len(text)} characters; allowed are {_LONGEST}")
+    odd = next((letter for letter in text if letter in _MARKUP or not letter.isprintable()), None)
+    if odd is not None:
+        raise BadInput(f"name {ascii(text)[:80]} in {where} holds {ascii(odd)}; allowed: no markup ({_MARKUP}) and no "
+                       "control characters")
+    return text
 
 
 def safe_name(name: str, where: str) -> str:
@@ -21,12 +40,10 @@ def safe_name(name: str, where: str) -> str:
         where: the data set or file that holds the name, for the message.
 
     Raises:
-        BadInput: the name is empty, absolute, very long, holds a backslash, a drive letter, a NUL or a `..` step.
+        BadInput: the name is empty, absolute, holds a backslash, a drive letter or a `..` step, or is no `plain_text`.
     """
-    if len(name) > _LONGEST:
-        raise BadInput(f"file name {name[:40]!r}... in {where} has {len(name)} characters; allowed are {_LONGEST}")
-    steps = PurePosixPath(name).parts
-    bad = not name or "\\" in name or "\0" in name or name.startswith("/") or ".." in steps
+    steps = PurePosixPath(plain_text(name, where)).parts
+    bad = not name or "\\" in name or name.startswith("/") or ".." in steps
     if bad or re.match(r"^[A-Za-z]:", name):
         raise BadInput(f"file name {name!r} in {where} leaves the data set's folder; only names inside it are read")
     return name

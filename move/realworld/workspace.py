@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 
 import numpy as np
 import pandas as pd
 
+from move.errors import BadInput
 from move.paper import REAL_RADIUS_M
 from move.realworld.episode import RobotEpisode
-from move.realworld.piper import forward_kinematics
+from move.realworld.piper import forward_kinematics, is_piper, outside_limits
 
 
 def workspace_cells(cell_m: float = 0.05, *, radius_m: float = REAL_RADIUS_M) -> pd.DataFrame:
@@ -43,11 +45,6 @@ def coverage(points_m: np.ndarray, *, cell_m: float = 0.05, radius_m: float = RE
     return merged.assign(visits=merged["visits"].fillna(0).astype(int))
 
 
-def covered_share(cells: pd.DataFrame) -> float:
-    """Share of the table's cells visited at least once."""
-    return float((cells["visits"] > 0).mean())
-
-
 def grasp_step(gripper: np.ndarray, *, hold_steps: int = 3, least_travel: float = 0.1) -> int | None:
     """The first step of the longest time the gripper stays closed.
 
@@ -64,18 +61,6 @@ def grasp_step(gripper: np.ndarray, *, hold_steps: int = 3, least_travel: float 
     >>> grasp_step(np.array([9, 9, 9, 6, 6, 6, 6, 9.0]))
     3
     """
-    run = _longest_closed(gripper, hold_steps, least_travel)
-    return None if run is None else run[0]
-
-
-def release_step(gripper: np.ndarray, *, hold_steps: int = 3, least_travel: float = 0.1) -> int | None:
-    """The step at which the gripper opens again after `grasp_step`; None where it does not."""
-    run = _longest_closed(gripper, hold_steps, least_travel)
-    return None if run is None or run[1] >= len(gripper) else run[1]
-
-
-def _longest_closed(gripper: np.ndarray, hold_steps: int, least_travel: float) -> tuple[int, int] | None:
-    """First step and one past the last step of the longest closed run that is entered from open."""
     gripper = np.asarray(gripper, dtype=float)
     if len(gripper) < hold_steps + 1 or not np.isfinite(gripper).all():
         return None
@@ -84,48 +69,46 @@ def _longest_closed(gripper: np.ndarray, hold_steps: int, least_travel: float) -
         return None
     closed = np.concatenate([[0], (gripper < (low + high) / 2).astype(int), [0]])
     starts, ends = np.flatnonzero(np.diff(closed) == 1), np.flatnonzero(np.diff(closed) == -1)
-    runs = [(int(s), int(e)) for s, e in zip(starts, ends, strict=True) if s > 0 and e - s >= hold_steps]
-    return max(runs, key=lambda run: run[1] - run[0], default=None)
+    runs = [(int(e - s), int(s)) for s, e in zip(starts, ends, strict=True) if s > 0 and e - s >= hold_steps]
+    return max(runs, key=lambda run: run[0], default=(0, None))[1]
 
 
 def positions(episode: RobotEpisode) -> np.ndarray | None:
-    """Where the flange was, in the frame of the arm's base.
+    """Where a PIPER's flange was, in the frame of the arm's base.
 
     From the six joint angles by PIPER's kinematics where there are six, because a recorded pose may be in another
     frame or of a tool; else the recorded pose.
 
     Returns:
-        (T, 3) m, or None where neither was recorded.
+        (T, 3) m, NaN where a joint is not finite; None for another arm, where neither was recorded, and where the
+        joints are beyond PIPER's limits and so are another arm's or in another unit.
     """
+    if _why_no_positions(episode):
+        return None
     if episode.joints is not None and episode.joints.shape[1] == 6:
         return forward_kinematics(episode.joints)[:, :3]
     return None if episode.end_effector is None else episode.end_effector[:, :3]
 
 
-def episode_table(episodes: Sequence[RobotEpisode]) -> pd.DataFrame:
-    """One row an episode: part, method, index, timesteps, duration_s, path_m, grasp and release steps and places.
-
-    Steps and places are NaN where there is no gripper, or no `positions`.
-    """
-    return pd.DataFrame([_episode_row(episode) for episode in episodes])
-
-
-def _episode_row(episode: RobotEpisode) -> dict:
-    place, gripper = positions(episode), episode.gripper
-    row = {
-        "part": episode.part, "method": episode.method, "index": episode.index, "timesteps": episode.timesteps,
-        "duration_s": float(episode.timestamps_s[-1]) if episode.timesteps else 0.0,
-        "path_m": np.nan if place is None else float(np.linalg.norm(np.diff(place, axis=0), axis=1).sum()),
-    }
-    for name, step in (("grasp", None if gripper is None else grasp_step(gripper)),
-                       ("release", None if gripper is None else release_step(gripper))):
-        x, y = (np.nan, np.nan) if step is None or place is None else place[step, :2]
-        row |= {f"{name}_step": np.nan if step is None else step, f"{name}_x_m": x, f"{name}_y_m": y}
-    return row
+def _why_no_positions(episode: RobotEpisode) -> str:
+    joints = episode.joints
+    if not is_piper(episode.robot):
+        return f"the arm is {episode.robot or 'not named'}, not PIPER"
+    if joints is not None and joints.shape[1] == 6:
+        return "joints beyond PIPER's limits" if outside_limits(joints) else ""
+    return "" if episode.end_effector is not None else "no six joints and no pose in known units"
 
 
-def length_table(table: pd.DataFrame) -> pd.DataFrame:
-    """Mean length of a demonstration by method, with its standard deviation and number; from `episode_table`."""
+def why_no_positions(episodes: Sequence[RobotEpisode]) -> str:
+    """Why some episodes have no `positions`, in words for a figure; "" where all have them."""
+    reasons = Counter(filter(None, map(_why_no_positions, episodes)))
+    told = "; ".join(f"{count} of {len(episodes)} episodes: {reason}" for reason, count in reasons.items())
+    return f"no trajectory of the hand: {told}" if told else ""
+
+
+def length_table(episodes: Sequence[RobotEpisode]) -> pd.DataFrame:
+    """Mean length of a demonstration: method, episodes (number), mean_timesteps, sd_timesteps."""
+    table = pd.DataFrame([{"method": e.method, "timesteps": e.timesteps} for e in episodes])
     grouped = table.groupby("method", sort=True)["timesteps"]
     return grouped.agg(episodes="count", mean_timesteps="mean", sd_timesteps="std").reset_index()
 
@@ -148,12 +131,10 @@ def path_table(episodes: Sequence[RobotEpisode]) -> pd.DataFrame:
     return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=columns)
 
 
-def coverage_by_method(table: pd.DataFrame, *, cell_m: float = 0.05, x: str = "x_m", y: str = "y_m") -> pd.DataFrame:
-    """`coverage` of each method of a table with columns `method`, x and y; adds a column `method`."""
-    pieces = [
-        coverage(rows[[x, y]].to_numpy(), cell_m=cell_m).assign(method=method)
-        for method, rows in table.groupby("method", sort=True)
-    ]
+def coverage_by_method(table: pd.DataFrame) -> pd.DataFrame:
+    """`coverage` of each method of a table with columns `method`, `x_m`, `y_m`; adds a column `method`."""
+    pieces = [coverage(rows[["x_m", "y_m"]].to_numpy()).assign(method=method)
+              for method, rows in table.groupby("method", sort=True)]
     columns = ["column", "row", "x_m", "y_m", "visits", "method"]
     return pd.concat(pieces, ignore_index=True) if pieces else pd.DataFrame(columns=columns)
 
@@ -169,23 +150,30 @@ def equal_budget(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def frame_strips(episodes: Sequence[RobotEpisode], *, count: int = 6) -> dict[str, tuple[np.ndarray, list[str]]]:
-    """Evenly spaced frames of the first episode of each method that has a camera.
+    """Evenly spaced frames of the first episode of each method that has a camera whose frames can be read.
 
     Returns:
         method -> frames (count, height, width, 3) uint8 and their times as text.
     """
     strips: dict[str, tuple[np.ndarray, list[str]]] = {}
     for e in episodes:
-        if e.method in strips or not e.cameras:
-            continue
-        frames = next(iter(e.cameras.values()))
-        numbers = np.unique(np.linspace(0, min(len(frames), e.timesteps) - 1, count).astype(int))
-        strips[e.method] = (frames.read(numbers), [f"{e.timestamps_s[n]:.0f} s" for n in numbers])
+        for frames in e.cameras.values() if e.method not in strips else ():
+            try:
+                there = np.flatnonzero(frames.numbers() >= 0)
+                steps = there[np.unique(np.linspace(0, len(there) - 1, count).astype(int))] if len(there) else there
+                images = frames.read(steps)
+            except BadInput:
+                continue  # `checks` names it
+            times = e.timestamps_s[steps]
+            digits = 0 if len(times) < 2 or np.diff(times).min() >= 1 else 1
+            strips[e.method] = images, [f"{time:.{digits}f} s" if np.isfinite(time) else f"step {step}"
+                                        for step, time in zip(steps, times, strict=True)]
+            break
     return strips
 
 
 def action_table(episodes: Sequence[RobotEpisode]) -> pd.DataFrame:
-    """Statistics of the recorded actions, as stored.
+    """Statistics of the recorded actions, as stored; what is not finite is left out.
 
     Returns:
         One row a method and component: method, component, mean, sd, lowest, highest, mean_step (mean absolute
@@ -199,9 +187,11 @@ def action_table(episodes: Sequence[RobotEpisode]) -> pd.DataFrame:
             stated = alike[0][1]
             names = stated if len(stated) == width else tuple(str(n) for n in range(width))
             values = np.vstack([action for action, _ in alike])
-            change = np.vstack([np.abs(np.diff(action, axis=0)) for action, _ in alike]).mean(axis=0)
-            rows += [{
-                "method": method, "component": name, "mean": values[:, n].mean(), "sd": values[:, n].std(),
-                "lowest": values[:, n].min(), "highest": values[:, n].max(), "mean_step": change[n],
-            } for n, name in enumerate(names)]
+            change = np.vstack([np.abs(np.diff(action, axis=0)) for action, _ in alike])
+            for n, name in enumerate(names):
+                mine, steps = (column[np.isfinite(column)] for column in (values[:, n], change[:, n]))
+                told = (mine.mean(), mine.std(), mine.min(), mine.max()) if mine.size else (np.nan,) * 4
+                rows.append({"method": method, "component": name,
+                             **dict(zip(("mean", "sd", "lowest", "highest"), told, strict=True)),
+                             "mean_step": steps.mean() if steps.size else np.nan})
     return pd.DataFrame(rows)

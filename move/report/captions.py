@@ -75,12 +75,12 @@ def table_caption(name: str, source: str = "") -> str:
 
 
 def plain(text: str) -> str:
-    """Markdown as one line of plain text.
+    """Markdown as one line of plain text, without links.
 
     >>> plain("**Ten** tasks:\\n- one\\n- two")
     'Ten tasks: one two'
     """
-    words = text.replace("**", "").replace("`", "").split()
+    words = text.replace("**", "").replace("`", "").replace("](", "] (").split()
     return " ".join(word for word in words if word != "-")
 
 

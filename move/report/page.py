@@ -150,5 +150,5 @@ def write(name: str, figure: Figure | None, tables: dict[str, pd.DataFrame], pro
         table = name if suffix == "" else f"{name}_{suffix}"
         printed.save(content, table, folder, (layouts or {}).get(suffix), source)
     if changed or not changes.by_command():
-        display(Markdown(f"{changed}{'. ' if changed else ''}Written to `{folder.relative_to(paths.ROOT)}/`; what is "
-                         "shipped stays as it is."))
+        display(Markdown(f"{printed.as_markdown(str(changed))}{'. ' if changed else ''}Written to "
+                         f"`{folder.relative_to(paths.ROOT)}/`; what is shipped stays as it is."))

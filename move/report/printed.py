@@ -7,6 +7,8 @@ save        the tidy table as CSV, the readable one as LaTeX with caption and la
 
 from __future__ import annotations
 
+import html
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -83,7 +85,8 @@ COLUMNS: dict[str, tuple[str, Cell]] = {
     "task": ("Task", _task), "method": ("Method", _method), "baseline": ("Against", _method),
     "timesteps": ("Timesteps", _count), "move_timesteps": ("Timesteps, MOVE", _count),
     "static_timesteps": ("Timesteps, static", _count), "value": ("Success (%)", _percent),
-    "seeds": ("Each seed (%)", _seeds), "episodes": ("Episodes", _count), "trainings": ("Training noise", str),
+    "level": ("From goal-blind to expert (%)", _percent), "seeds": ("Each seed (%)", _seeds),
+    "episodes": ("Episodes", _count), "trainings": ("Training noise", str),
     "difference": ("Difference (points)", _points), "p": ("p", _probability), "holm": ("p, Holm", _probability),
     "items": ("Items", _count), "tasks": ("Tasks", _count), "where": ("Where", str),
     "factors": ("Random", _named(all="object, target, hand, camera", **{"object+target": "object, target, hand"})),
@@ -163,8 +166,18 @@ def _cell(cell: Cell, value: Any, low: Any = None, high: Any = None) -> str:
 
 
 def shown(table: pd.DataFrame) -> Styler:
-    """A tidy table as a notebook shows it: readable, without row numbers."""
-    return readable(table).style.hide(axis="index").set_properties(**{"text-align": "left"})
+    """A tidy table as a notebook shows it: readable, without row numbers; no text in it is markup."""
+    styled = readable(table).style.hide(axis="index").format(escape="html").format_index(escape="html", axis="columns")
+    return styled.set_properties(**{"text-align": "left"})
+
+
+def as_markdown(text: str) -> str:
+    r"""Text of a file or a reader for Markdown: shown as it is, and neither markup nor HTML.
+
+    >>> as_markdown("a_b <img src=x> [c](d)")
+    'a\\_b &lt;img src=x&gt; \\[c\\](d)'
+    """
+    return re.sub(r"([\\`*_\[\]|~$#!])", r"\\\1", html.escape(text, quote=False))
 
 
 def save(

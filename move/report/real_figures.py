@@ -7,6 +7,7 @@ object_figure   where the object was seen, and how fast it moved
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Mapping, Sequence
 
 import matplotlib.pyplot as plt
@@ -60,17 +61,8 @@ def object_figure(places: pd.DataFrame, speeds: pd.DataFrame, *, simulated: bool
     return figure
 
 
-def _nothing(text: str, *, simulated: bool) -> Figure:
-    """A figure that says why it is empty."""
-    figure = plt.figure(figsize=(PAGE_WIDTH, 1.0))
-    figure.text(0.5, 0.2, text, ha="center")
-    if simulated:
-        style.stamp(figure, SIMULATED_TEXT)
-    return figure
-
-
 def setup_figure(cells: pd.DataFrame, steps: pd.DataFrame, strips: Mapping[str, tuple[np.ndarray, Sequence[str]]], *,
-                 simulated: bool, cell_m: float = 0.05) -> Figure:
+                 simulated: bool, lacking: str = "", cell_m: float = 0.05) -> Figure:
     """Lay out Figure 8: for each method its trajectories, the cells visited, and below all of them frames.
 
     Args:
@@ -78,6 +70,7 @@ def setup_figure(cells: pd.DataFrame, steps: pd.DataFrame, strips: Mapping[str, 
         steps: `workspace.path_table`.
         strips: method -> frames (k, height, width, 3) and their titles; may be empty.
         simulated: whether to say so on the figure.
+        lacking: why some episodes have no trajectory (`workspace.why_no_positions`), said in a panel of its own.
 
     Returns:
         A figure of two-column width.
@@ -86,11 +79,11 @@ def setup_figure(cells: pd.DataFrame, steps: pd.DataFrame, strips: Mapping[str, 
     shown = [method for method in COLOURS if method in strips]
     shapes = [strips[method][0].shape for method in shown]
     heights = [0.95 * PAGE_WIDTH * h / (k * w) + 0.28 for k, h, w, _ in shapes]
-    map_in = 0.5 * PAGE_WIDTH * 0.5 + 0.35
-    if not methods and not shown:
-        return _nothing("no positions and no cameras were recorded", simulated=simulated)
-    figure = plt.figure(figsize=(PAGE_WIDTH, map_in * len(methods) + sum(heights)))
-    grid = figure.add_gridspec(len(methods) + len(shown), 2, height_ratios=[map_in] * len(methods) + heights)
+    if not shown:
+        lacking = "; ".join(filter(None, (lacking, "no camera whose frames can be read")))
+    heights = [0.5 * PAGE_WIDTH * 0.5 + 0.35] * len(methods) + heights + [0.5] * bool(lacking)
+    figure = plt.figure(figsize=(PAGE_WIDTH, sum(heights)))
+    grid = figure.add_gridspec(len(heights), 2, height_ratios=heights)
     axes, texts = [], []
     for row, method in enumerate(methods):
         mine, way = cells[cells["method"] == method], steps[steps["method"] == method]
@@ -108,6 +101,10 @@ def setup_figure(cells: pd.DataFrame, steps: pd.DataFrame, strips: Mapping[str, 
         maps.strip(frames, times, axes[-1])
         texts.append(f"{NAMES[method]}: frames of one demonstration")
     style.titles(axes, texts)
+    if lacking:
+        panel = figure.add_subplot(grid[-1, :])
+        panel.set_axis_off()
+        panel.text(0.5, 0.5, textwrap.fill(lacking, 110), ha="center", va="center", parse_math=False)
     if simulated:
         style.stamp(figure, SIMULATED_TEXT)
     return figure

@@ -117,6 +117,8 @@ def speed_dots(table: pd.DataFrame, ax: Axes) -> None:
     methods = [method for method in COLOURS if method in set(table["method"])]
     for place, method in enumerate(methods):
         values = table.loc[table["method"] == method, "mean_speed"].dropna()
+        if values.empty:  # a line without points would take the whole figure in its layout
+            continue
         spread = 0.4 * (np.arange(len(values)) * GOLDEN % 1 - 0.5)  # sideways, in no order of the speeds
         ax.plot(place + spread, values, marker="o", linestyle="none", markersize=3.5, color=COLOURS[method], alpha=0.7,
                 clip_on=False)

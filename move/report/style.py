@@ -80,9 +80,13 @@ def remark(figure: Figure, text: str) -> None:
 
 
 def changed(figure: Figure, text: str) -> None:
-    """Write over the figure how it differs from the shipped one of its name, in letters of 8.5 points."""
+    """Write over the figure how it differs from the shipped one of its name, in letters of 8.5 points.
+
+    The figure grows by the height of the text, so that its panels keep theirs.
+    """
     wrapped = textwrap.fill(text, int(figure.get_figwidth() * 15))
-    figure.suptitle(wrapped, fontsize=8.5, color="#B00000", weight="bold", x=0.01, ha="left")
+    figure.set_figheight(figure.get_figheight() + 0.16 * (wrapped.count("\n") + 1))
+    figure.suptitle(wrapped, fontsize=8.5, color="#B00000", weight="bold", x=0.01, ha="left", parse_math=False)
 
 
 def stamp(figure: Figure, text: str, colour: str = "0.35", points: float = 24) -> None:
@@ -103,10 +107,8 @@ def settle(figure: Figure) -> None:
     """Lay the figure out until nothing moves, and leave it so.
 
     A pass of matplotlib's layout starts where the last one ended, and axes of equal aspect still move in the next.
-    After one pass a figure that a notebook has shown would be written with other bytes than one that it has not.
-
-    Raises:
-        RuntimeError: the layout does not come to rest.
+    After one pass a figure that a notebook has shown would be written with other bytes than one that it has not. A
+    layout that never comes to rest is left as the last of `MOST_PASSES` has it.
     """
     engine, dpi = figure.get_layout_engine(), figure.get_dpi()
     if engine is None or not figure.axes:
@@ -120,8 +122,6 @@ def settle(figure: Figure) -> None:
         before, places = places, _places(figure)
         if np.abs(places - before).max() < STILL:
             break
-    else:
-        raise RuntimeError(f"the layout of a figure still moves after {MOST_PASSES} passes")
     figure.set_layout_engine("none")
     for ax in figure.axes:  # whatever is left of the way there is rounded off
         ax.set_position(Bbox(ax.get_position(original=True).get_points().round(6)), which="original")

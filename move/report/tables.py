@@ -8,7 +8,7 @@ import pandas as pd
 from move import paper
 from move.errors import BadInput
 from move.paper import PAPER_METHODS, PAPER_TASKS
-from move.report.printed import ABSENT, readable, shown
+from move.report.printed import ABSENT, as_markdown, readable, shown
 from move.report.style import NAMES
 from move.sim.collection import METHODS
 from move.sim.tasks import TASKS
@@ -21,7 +21,7 @@ from move.study.profiles import Profile
 from move.study.results import Result
 from move.study.spec import CollectionRun, PolicyRun
 
-__all__ = ["inside_and_outside", "readable", "shown"]  # besides what stands here: one place for a notebook's tables
+__all__ = ["as_markdown", "inside_and_outside", "readable", "shown"]  # besides what stands here: a notebook's tables
 
 
 def rate_table(episodes: pd.DataFrame, by: list[str], known: TrainingNoise = UNKNOWN) -> pd.DataFrame:
@@ -179,6 +179,20 @@ def floors_and_ceilings(episodes: pd.DataFrame) -> pd.DataFrame:
     """Success rate of each control on each task: one row a task, one column a control."""
     controls = episodes[episodes.kind == "control"]
     return controls.pivot_table("success", "task", "method", aggfunc="mean", sort=False)
+
+
+def with_level(rates: pd.DataFrame, controls: pd.DataFrame) -> pd.DataFrame:
+    """`rates` with a column `level`: where a rate lies from what a goal-blind expert scores (0) to the expert (1).
+
+    A policy that ignores the target is near 0, however often that succeeds by chance; below it lies one that does not
+    get so far. NaN for a task without a target, or where a control is missing.
+
+    Args:
+        rates: with the columns task and value.
+        controls: as `floors_and_ceilings` gives them.
+    """
+    blind, expert = (rates.task.map(controls[name] if name in controls else {}) for name in ("goal-blind", "expert"))
+    return rates.assign(level=(rates.value - blind) / (expert - blind))
 
 
 def with_missing(rates: pd.DataFrame, runs: list[LabelledRun], by: list[str]) -> pd.DataFrame:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import re
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -14,12 +12,10 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, NonNegativeInt, 
 from move.errors import BadInput
 from move.sim.configuration import SpatialConfiguration
 from move.statistics.estimates import Estimate, difference, success_rate
-from move.study.results import load, read_content
-from move.study.spec import run_spec_from_json
+from move.study.results import HASH, load_named
 from move.untrusted import read_json
-from move.validation import first_problem, reason_of
+from move.validation import first_problem
 
-HASH = re.compile(r"[0-9a-f]{16}")
 PLACE = tuple(SpatialConfiguration((0, 0, 0), (0, 0, 0), (0, 0, 0), 0).columns())
 
 
@@ -103,14 +99,8 @@ def read_evaluation(given: str, folders: list[Path]) -> Evaluated:
 
 
 def _of_run(path: Path) -> tuple[str, list[_Row]]:
-    try:
-        spec = run_spec_from_json(json.dumps(read_content(path)["spec"]))
-    except (OSError, ValueError, TypeError, KeyError, RecursionError) as problem:
-        raise BadInput(f"result {path} is not usable: {reason_of(problem)}") from problem
-    result = load(spec, path.parent) if path.stem == spec.hash else None
-    if result is None:
-        raise BadInput(f"{path} is the run {spec.hash}; allowed is a file of that name")
-    return spec.task, [_row(row, path) for row in result.rows]
+    result = load_named(path)
+    return result.spec.task, [_row(row, path) for row in result.rows]
 
 
 def _of_file(path: Path, about: dict[str, Any]) -> tuple[str, list[_Row]]:

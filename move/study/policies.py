@@ -23,6 +23,7 @@ from move.learn.agents import Agent, PolicyAgent, Recorded
 from move.learn.checkpoint import UnusableCheckpoint, policy_of, read
 from move.learn.diffusion import DiffusionPolicy
 from move.study.profiles import Profile
+from move.study.results import find
 from move.study.spec import PolicyRun, RunSpec
 from move.untrusted import read_json
 
@@ -54,6 +55,18 @@ def trained_policy(spec: RunSpec, profile: Profile) -> DiffusionPolicy:
             return _sealed_policy(spec, folder)
     raise BadInput(f"{spec.label}: its policy is not shipped; delete {paths.results(profile) / spec.hash}.json and "
                    "give `move run` again to train it here")
+
+
+def of_run(name: str, profile: Profile) -> tuple[PolicyRun, DiffusionPolicy]:
+    """The stored run whose hash is `name`, and its policy, shipped or left under build/ by a run on this machine.
+
+    Raises:
+        BadInput: no such run, one without a policy, or one whose weights are not there.
+    """
+    spec = find(name, [paths.results(profile), paths.own_results(profile)]).spec
+    if not isinstance(spec, PolicyRun):
+        raise BadInput(f"run: {name} given, a {spec.kind}; allowed are runs that trained a policy")
+    return spec, trained_policy(spec, profile)
 
 
 def seal(spec: RunSpec, folder: Path) -> None:

@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping
+import re
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import count
 from pathlib import Path
@@ -25,6 +26,7 @@ from move.study.spec import RESULTS_VERSION, RunSpec, run_spec_from_json
 from move.study.stored import refuse_other_content
 from move.validation import reason_of
 
+HASH = re.compile(r"[0-9a-f]{16}")
 NOT_COMPUTED = "not computed yet"
 LARGEST = 50_000_000  # bytes of a result's file; real ones have some ten thousand
 
@@ -92,6 +94,35 @@ def load(spec: RunSpec, folder: Path) -> Result | None:
     columns = content.pop("rows")
     rows = [dict(zip(columns, values, strict=True)) for values in zip(*columns.values(), strict=True)]
     return Result(**{**content, "spec": stored, "rows": rows})
+
+
+def load_named(path: Path) -> Result:
+    """The stored result in a file that is named by its run's hash.
+
+    Raises:
+        BadInput: it is no result, damaged, or of another run than its name says.
+    """
+    try:
+        spec = run_spec_from_json(json.dumps(read_content(path)["spec"]))
+    except (OSError, ValueError, TypeError, KeyError, RecursionError) as error:
+        raise BadInput(f"result {path} is not usable: {reason_of(error)}") from error
+    result = load(spec, path.parent) if path.stem == spec.hash else None
+    if result is None:
+        raise BadInput(f"{path} is the run {spec.hash}; allowed is a file of that name")
+    return result
+
+
+def find(name: str, folders: Sequence[Path]) -> Result:
+    """The stored result of the run whose hash is `name`, from the first of `folders` that has it.
+
+    Raises:
+        BadInput: no hash, no such run, or a damaged one.
+    """
+    there = [path for folder in folders if HASH.fullmatch(name) and (path := folder / f"{name}.json").is_file()]
+    if not there:
+        raise BadInput(f"run: {name[:60]!r} given; allowed is the hash of a run stored in "
+                       f"{' or '.join(map(str, folders))}")
+    return load_named(there[0])
 
 
 def read_content(path: Path) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from move.realworld.episode import EpisodeRef, Part, Recording
-from move.realworld.formats import hdf5, lerobot_v2, lerobot_v3, pika_tree, zarr_buffer
+from move.realworld.formats import hdf5, lerobot, pika_tree, zarr_buffer
 
 
 @dataclass(frozen=True)
@@ -24,12 +24,7 @@ class Layout:
     read: Callable[[Part, EpisodeRef], Recording]
 
 
-LAYOUTS = {
-    "lerobot_v2": Layout("LeRobot v2.1 (or v2.0)", lerobot_v2.metadata, lerobot_v2.episodes, lerobot_v2.read),
-    "lerobot_v3": Layout("LeRobot v3.0", lerobot_v3.metadata, lerobot_v3.episodes,
-                         lerobot_v3.read), "pika_tree": Layout("Pika raw tree", pika_tree.metadata, pika_tree.episodes,
-                                                               pika_tree.read),
-    "hdf5": Layout("HDF5, one file an episode (Pika, ACT or RoboMIND)", hdf5.metadata, hdf5.episodes,
-                   hdf5.read), "zarr": Layout("zarr replay buffer", zarr_buffer.metadata, zarr_buffer.episodes,
-                                              zarr_buffer.read),
-}
+LAYOUTS = {name: Layout(title, reader.metadata, reader.episodes, reader.read) for name, title, reader in (
+    ("lerobot_v2", "LeRobot v2.1 (or v2.0)", lerobot), ("lerobot_v3", "LeRobot v3.0", lerobot),
+    ("pika_tree", "Pika raw tree", pika_tree),
+    ("hdf5", "HDF5, one file an episode (Pika, ACT or RoboMIND)", hdf5), ("zarr", "zarr replay buffer", zarr_buffer))}

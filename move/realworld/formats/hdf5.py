@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path, PurePosixPath
 
 import h5py
@@ -18,13 +19,12 @@ import numpy as np
 from move.errors import BadInput
 from move.realworld.episode import EpisodeRef, Part, Recording, make_recording
 from move.realworld.frames import Frames, from_files, from_hdf5
-from move.realworld.state_columns import busiest, split_columns
+from move.realworld.state_columns import arm_streams
 from move.realworld.untrusted_names import inside
 from move.untrusted import reading, within
 
 SUFFIXES = (".hdf5", ".h5")
 ROBOMIND_HZ = 10.0  # no timestamps in the file; the rate its own tools assume
-ACT_HZ = 30.0  # no timestamps in the file; AgileX's cameras run at 30 Hz
 PIKA_ARMS, PIKA_GRIPPERS = ("puppet", "master"), ("pikaGripper", "pika", "pikaSensor")
 
 
@@ -59,25 +59,27 @@ def read(part: Part, ref: EpisodeRef) -> Recording:
     """
     path = inside(part.root, ref.files[0])
     with reading(path, "an HDF5 file of one episode"), h5py.File(path, "r") as file:
-        _judge(file)
-        if "puppet" in file:
-            return _robomind(part, ref, file, path)
-        if "observations/qpos" in file:
-            return _act(part, ref, file, path)
-        if any(group in file for group in ("arm", "localization", "gripper")):
-            return _pika(part, ref, file, path)
+        gaps, flag = _judge(file), file.attrs.get("sim")
+        simulated = bool(flag) if isinstance(flag, bool | np.bool_ | int | np.integer) else None
+        for groups, dialect in ((("puppet",), _robomind), (("observations/qpos",), _act),
+                                (("arm", "localization", "gripper"), _pika)):
+            if any(group in file for group in groups):
+                return replace(dialect(part, ref, file, path), gaps=gaps, simulated=simulated)
         raise BadInput(f"cannot read {path}: found groups {sorted(file)[:8]}; expected arm/, gripper/ or localization/ "
                        "(Pika), observations/qpos (ACT) or puppet/ (RoboMIND)")
 
 
-def _judge(root: h5py.File) -> None:
+def _judge(root: h5py.File) -> tuple[str, ...]:
     """Look at every group and data set once, by its address in the file, before anything is read.
+
+    Returns:
+        Data sets of which a part was never written, and would be read as zeros.
 
     Refused are links to other files, data kept in other files (external storage and virtual data sets: both could name
     any file of this machine), and sizes beyond the limits. Soft links stay inside the file: what they lead to is
     looked at where it is.
     """
-    where, seen, waiting = root.filename, set(), [(root["/"], 0)]
+    where, seen, waiting, gaps = root.filename, set(), [(root["/"], 0)], []
     while waiting:
         group, depth = waiting.pop()
         within("depth", depth, f"{where}: groups inside groups")
@@ -96,6 +98,19 @@ def _judge(root: h5py.File) -> None:
                     waiting.append((member, depth + 1))
                 elif isinstance(member, h5py.Dataset):
                     _judge_data(member, f"{where}:{member.name}")
+                    if gap := _gap(member):
+                        gaps.append(gap)
+    return tuple(gaps)
+
+
+def _gap(data: h5py.Dataset) -> str:
+    """What was never written of a data set, or nothing."""
+    if data.chunks:
+        chunks = math.prod(-(-length // size) for length, size in zip(data.shape, data.chunks, strict=True))
+        stored = data.id.get_num_chunks()
+    else:
+        chunks, stored = 1, int(data.id.get_storage_size() > 0 or not data.size)
+    return f"{data.name} has {stored} of its {chunks} chunks" if stored < chunks else ""
 
 
 def _judge_data(data: h5py.Dataset, where: str) -> None:
@@ -152,18 +167,14 @@ def _pika(part: Part, ref: EpisodeRef, file: h5py.File, path) -> Recording:
         "joints": None if position is None else position[:, :6], "end_effector": None if pose is None else pose[:, :6],
         "gripper": gripper, "action": _first(file, "arm/jointStatePosition",
                                              ("master",)) if "arm/jointStatePosition/master" in file else None,
-        "timestamps_s": _values(file["timestamp"]) if "timestamp" in file else None,
+        "timestamps": _values(file["timestamp"]) if "timestamp" in file else None,
     }
-    cameras: dict[str, Frames] = {}
-    for name, data in file.get("camera/color", {}).items():
-        frames = _pika_camera(path, data)
-        cameras |= {name: frames} if frames else {}
-        notes += [] if frames else [f"camera {name}: the file names images that are not beside it"]
-    return make_recording(part, ref, streams, fps=30.0, source=path, cameras=cameras, notes=notes,
+    cameras = {name: _pika_camera(path, data) for name, data in file.get("camera/color", {}).items()}
+    return make_recording(part, ref, streams, source=path, cameras=cameras, notes=notes,
                           hints={"gripper": hint} if gripper is not None and hint else {})
 
 
-def _pika_camera(path, data: h5py.Dataset) -> Frames | None:
+def _pika_camera(path, data: h5py.Dataset) -> Frames:
     """Frames of one camera: pixels (blue first), or paths relative to the episode's folder."""
     if data.ndim > 1:
         return from_hdf5(path, data.name, bgr=True)
@@ -171,25 +182,18 @@ def _pika_camera(path, data: h5py.Dataset) -> Frames | None:
         raise BadInput(f"{path}:{data.name}: found {data.dtype} {data.shape}; expected names of images")
     within("files", len(data), f"{path}:{data.name}")
     within("columns", data.dtype.itemsize, f"{path}:{data.name}: letters of a name")
-    files = [inside(path.parent, name.decode() if isinstance(name, bytes) else str(name)) for name in data]
-    return from_files(files) if files and all(file.is_file() for file in files) else None
+    return from_files([inside(path.parent, name.decode() if isinstance(name, bytes) else str(name)) for name in data])
 
 
 def _act(part: Part, ref: EpisodeRef, file: h5py.File, path) -> Recording:
     state = _values(file["observations/qpos"])
-    arms, note = split_columns([], state.shape[1])
-    notes = [note] if note else []
-    streams = {"action": _values(file["action"]) if "action" in file else None}
-    if arms:
-        columns, choice = busiest(arms, state)
-        notes += [choice] if choice else []
-        streams["joints"] = state[:, columns.joints]
-        streams["gripper"] = None if columns.gripper is None else state[:, columns.gripper]
+    arm, _, notes = arm_streams(state)
+    streams = {**arm, "action": _values(file["action"]) if "action" in file else None, "state": state}
     for key in ("timestamp", "timestamps", "observations/timestamp"):
-        streams |= {"timestamps_s": _values(file[key])} if key in file else {}
+        streams |= {"timestamps": _values(file[key])} if key in file else {}
     cameras = {name: from_hdf5(path, data.name) for name, data in file.get("observations/images", {}).items()}
     notes += ["order of the colour channels is not recorded: red first assumed"] if cameras else []
-    return make_recording(part, ref, streams, fps=ACT_HZ, source=path, cameras=cameras, notes=notes)
+    return make_recording(part, ref, streams, source=path, cameras=cameras, notes=notes)
 
 
 def _robomind(part: Part, ref: EpisodeRef, file: h5py.File, path) -> Recording:
@@ -205,7 +209,7 @@ def _robomind(part: Part, ref: EpisodeRef, file: h5py.File, path) -> Recording:
     }
     cameras = {name: from_hdf5(path, data.name) for name, data in file.get("observations/rgb_images", {}).items()}
     notes = ([note] if note else []) + ([] if gripper is None else ["last joint taken as the gripper"])
-    return make_recording(part, ref, streams, fps=ROBOMIND_HZ, source=path, cameras=cameras, notes=notes)
+    return make_recording(part, ref, streams, assumed_fps=ROBOMIND_HZ, source=path, cameras=cameras, notes=notes)
 
 
 def _member(file: h5py.File, key: str) -> np.ndarray | None:
@@ -217,5 +221,5 @@ def _busy_side(puppet: Mapping) -> tuple[str, str | None]:
     sides = [name.removeprefix("joint_position") for name in puppet if name.startswith("joint_position")]
     if not sides:
         return "", None
-    side = max(sides, key=lambda s: float(np.abs(np.diff(_values(puppet[f"joint_position{s}"]), axis=0)).sum()))
+    side = max(sides, key=lambda s: float(np.nansum(np.abs(np.diff(_values(puppet[f"joint_position{s}"]), axis=0)))))
     return side, f"{len(sides)} arms recorded: the {side.strip('_')} one moves most and is read" if side else None

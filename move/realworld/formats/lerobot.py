@@ -1,8 +1,18 @@
-"""What LeRobot v2.1 and v3.0 share: `meta/info.json`, feature names, and the columns of a parquet table."""
+"""LeRobot v2.1 (and v2.0): one parquet file and one video a camera for every episode; v3.0: many episodes share them.
+
+v2.1   meta/info.json  meta/episodes.jsonl (index and length of each episode)
+       data/chunk-000/episode_000000.parquet
+       videos/chunk-000/observation.images.<camera>/episode_000000.mp4
+v3.0   meta/info.json  meta/episodes/chunk-000/file-000.parquet (also which file and which rows hold an episode)
+       data/chunk-000/file-000.parquet
+       videos/observation.images.<camera>/chunk-000/file-000.mp4
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -12,16 +22,23 @@ from pydantic import BaseModel, Field, ValidationError
 
 from move.errors import BadInput
 from move.realworld.episode import EpisodeRef, Part, Recording, make_recording
-from move.realworld.frames import Frames, from_bytes, from_files
-from move.realworld.parquet import is_numeric, numeric_names, read_columns
-from move.realworld.state_columns import busiest, flat_names, split_columns, unit_hints
-from move.realworld.untrusted_names import inside
-from move.untrusted import read_json
+from move.realworld.frames import Frames, from_bytes, from_files, from_video
+from move.realworld.parquet import numeric_names, read_columns
+from move.realworld.piper import is_piper
+from move.realworld.state_columns import arm_streams, flat_names
+from move.realworld.untrusted_names import fill_template, inside
+from move.untrusted import parse_json, read_json, read_text, reading, within
+from move.validation import first_problem
 
+V2, V3 = "lerobot_v2", "lerobot_v3"
+DATA = {V2: "data/chunk-{episode_chunk:03d}/episode_{episode_index:06d}.parquet",
+        V3: "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"}
+VIDEO = {V2: "videos/chunk-{episode_chunk:03d}/{video_key}/episode_{episode_index:06d}.mp4",
+         V3: "videos/{video_key}/chunk-{chunk_index:03d}/file-{file_index:03d}.mp4"}
 STATE = ("observation.state", "observation.states", "states", "state")
 ACTION = ("action", "actions")
 POSE_WORDS = ("eef", "ee_pose", "end_pose", "endpose")
-LEFT_OUT = ("timestamp", "frame_index", "episode_index", "index", "task_index")
+NUMBERING = ("episode_index", "frame_index", "index")
 
 
 class Info(BaseModel):
@@ -29,8 +46,9 @@ class Info(BaseModel):
 
     codebase_version: str
     features: dict[str, dict[str, Any]]
-    chunks_size: Annotated[int, Field(ge=1)] | None = None
-    fps: Annotated[float, Field(gt=0, allow_inf_nan=False)] | None = None
+    robot_type: str | None = None
+    chunks_size: Annotated[int, Field(ge=1, strict=True)] | None = None
+    fps: Annotated[float, Field(gt=0, allow_inf_nan=False, strict=True)] | None = None
     data_path: str | None = None
     video_path: str | None = None
 
@@ -39,29 +57,111 @@ class Info(BaseModel):
         return [name for name, feature in self.features.items() if feature.get("dtype") == dtype]
 
 
-def read_info(part: Part, version: str) -> Info:
+def metadata(files: Sequence[str]) -> list[str]:
+    """Everything under `meta/`, but the statistics, which grow with the data and are not needed."""
+    return [file for file in files if file.startswith("meta/") and "stats" not in file]
+
+
+def episodes(part: Part) -> list[EpisodeRef]:
+    """List the episodes by their number, with the frames that lie before each in its videos.
+
+    `meta/episodes.jsonl` or `meta/episodes/` holds them, or, where v2.1 lacks that file, the parquet files' names do.
+    """
+    info = read_info(part)
+    with reading(part.root, "the episode table of a LeRobot data set"):
+        rows = sorted(_rows_v2(part) if part.layout == V2 else _rows_v3(part), key=lambda row: row["episode_index"])
+        refs = [_ref(part, info, row) for row in rows]
+    totals: Counter[str] = Counter()
+    videos = [(ref, video) for ref in refs for video in ref.place["videos"].values()]
+    for ref, video in videos:  # in the order in which their frames lie in the files
+        video["earlier"] = totals[video["path"]]
+        totals[video["path"]] += ref.timesteps or 0
+    for _, video in videos:
+        video["total"] = totals[video["path"]] or None
+    return refs
+
+
+def _rows_v2(part: Part) -> list[dict[str, Any]]:
+    path = inside(part.root, "meta/episodes.jsonl")
+    if not path.is_file():
+        found = (re.fullmatch(r"data/.*episode_(\d+)\.parquet", file) for file in part.files)
+        return [{"episode_index": int(match.group(1))} for match in found if match]
+    with reading(path, "one JSON object a line with episode_index and length"):
+        lines = [line for line in read_text(path).splitlines() if line.strip()]
+        within("episodes", len(lines), path)
+        rows = [parse_json(line, path) for line in lines]
+        for row in rows:
+            within("rows", _whole(row, "length"), path)
+            _whole(row, "episode_index")
+        return rows
+
+
+def _rows_v3(part: Part) -> list[dict[str, Any]]:
+    rows: list[dict[str, Any]] = []
+    for name in sorted(file for file in part.files if file.startswith("meta/episodes/") and file.endswith(".parquet")):
+        path = inside(part.root, name)
+        with reading(path, "the episode table of a LeRobot v3.0 data set"):
+            wanted = [name for name in numeric_names(path) if not name.startswith("stats/")]
+            rows += read_columns(path, wanted).to_pylist()
+            within("episodes", len(rows), path)
+    return rows
+
+
+def _ref(part: Part, info: Info, row: dict[str, Any]) -> EpisodeRef:
+    """Turn one row of the episode table into a reference: the table's path, and of each camera path and start (s)."""
+    index = _whole(row, "episode_index")
+
+    def fill(template: str, prefix: str, **more: str) -> str:
+        values: dict[str, int | str] = {"episode_chunk": index // (info.chunks_size or 1000), "episode_index": index}
+        if part.layout == V3:
+            values = {name: _whole(row, f"{prefix}/{name}") for name in ("chunk_index", "file_index")}
+        return fill_template(template, values | more, str(part.root))
+
+    data = fill(info.data_path or DATA[part.layout], "data")
+    videos: dict[str, dict[str, Any]] = {
+        key: {"path": fill(info.video_path or VIDEO[part.layout], f"videos/{key}", video_key=key),
+              "start_s": 0.0 if part.layout == V2 else float(row[f"videos/{key}/from_timestamp"])}
+        for key in info.cameras("video")}
+    files = (data, *(video["path"] for video in videos.values()))
+    length = _whole(row, "length") if part.layout == V3 or "length" in row else None
+    return EpisodeRef(index, files, length, {"data": data, "videos": videos})
+
+
+def read(part: Part, ref: EpisodeRef) -> Recording:
+    """Read one episode; videos are opened only when frames are asked for."""
+    info, path = read_info(part), inside(part.root, ref.place["data"])
+    with reading(path, "a parquet table of LeRobot episodes"):
+        table = _read_table(path, info, episode=None if part.layout == V2 else ref.index)
+        cameras = {key: from_video(**(video | {"path": inside(part.root, video["path"])}))
+                   for key, video in ref.place["videos"].items()}
+        return _recording(part, ref, info, table, path, cameras)
+
+
+def read_info(part: Part) -> Info:
     """Read `meta/info.json` and check its version.
 
-    Args:
-        version: what its `codebase_version` must start with, "v2" or "v3".
-
     Raises:
-        BadInput: missing, not JSON, another version, or a value of the wrong type.
+        BadInput: missing, not JSON, another version than its files are of, or a value of the wrong type.
     """
-    path = inside(part.root, "meta/info.json")
+    path, version = inside(part.root, "meta/info.json"), part.layout.removeprefix("lerobot_")
     content = read_json(path, "the info.json of a LeRobot data set")
     try:
         info = Info.model_validate(content)
     except ValidationError as error:
-        first = error.errors()[0]
-        raise BadInput(f"{path}: {'.'.join(map(str, first['loc']))}: {str(first['input'])[:60]!r} given; "
-                       f"{first['msg'].lower()}; found keys {sorted(content)[:12]}") from error
+        raise BadInput(f"{path}: {first_problem(error)}; found keys {sorted(content)[:12]}") from error
     if not info.codebase_version.startswith(version):
         raise BadInput(f"{path}: codebase_version is {info.codebase_version!r}; its files look like {version}.x")
     return info
 
 
-def names_of(feature: Mapping[str, Any]) -> list[str]:
+def _whole(row: Mapping[str, Any], key: str) -> int:
+    """A number of an episode table that has to be a whole one."""
+    if type(value := row.get(key)) is not int:
+        raise BadInput(f"{key} is {str(value)[:40]!r}; expected a whole number")
+    return value
+
+
+def _names_of(feature: Mapping[str, Any]) -> list[str]:
     """Names of a feature's columns; older files write `name` for `names`."""
     return flat_names(feature.get("names", feature.get("name")))
 
@@ -76,8 +176,6 @@ def to_matrix(table: pa.Table, key: str) -> np.ndarray:
     if isinstance(column, pa.ChunkedArray):
         column = pa.concat_arrays(column.chunks)
     rows = len(column)
-    if not is_numeric(column.type):
-        raise BadInput(f"column {key!r}: found {column.type}; expected numbers")
     while isinstance(column, pa.ExtensionArray) or pa.types.is_nested(column.type):
         column = column.storage if isinstance(column, pa.ExtensionArray) else column.flatten()
     if column.null_count or rows == 0 or len(column) % rows:
@@ -86,52 +184,50 @@ def to_matrix(table: pa.Table, key: str) -> np.ndarray:
     return column.to_numpy(zero_copy_only=False).astype(np.float64).reshape(rows, -1)
 
 
-def read_table(path: Path, info: Info, *, episode: int | None = None) -> pa.Table:
-    """The numbers and the images of a table, of one episode or of all; whatever else it holds is not needed."""
-    return read_columns(path, [*numeric_names(path), *info.cameras("image")], episode=episode)
+def _read_table(path: Path, info: Info, *, episode: int | None = None) -> pa.Table:
+    """The numbers and the images of a table, of one episode or of all; whatever else it holds is not needed.
+
+    Raises:
+        BadInput: no such table, or what has to be numbers is something else.
+    """
+    names = numeric_names(path, (*STATE, *ACTION, "timestamp", *NUMBERING))
+    return read_columns(path, [*names, *info.cameras("image")], episode=episode)
 
 
-def image_frames(part: Part, table: pa.Table, key: str, source: str) -> Frames:
-    """Frames stored in a parquet column, as bytes or as paths inside the data set."""
-    cells = table[key].to_pylist()
-    if cells and all(isinstance(cell, dict) and cell.get("bytes") for cell in cells):
+def _image_frames(part: Part, table: pa.Table, key: str, source: str) -> Frames:
+    """Frames stored in a parquet column, as bytes or as paths inside the data set; none where there is no column."""
+    cells = table[key].to_pylist() if key in table.column_names else []
+    if all(isinstance(cell, dict) and cell.get("bytes") for cell in cells):
         return from_bytes([cell["bytes"] for cell in cells], f"{source}:{key}")
     return from_files([inside(part.root, cell["path"] if isinstance(cell, dict) else cell) for cell in cells])
 
 
-def recording(part: Part, ref: EpisodeRef, info: Info, table: pa.Table, source,
+def _recording(part: Part, ref: EpisodeRef, info: Info, table: pa.Table, source,
               cameras: Mapping[str, Frames]) -> Recording:
-    """Turn the rows of one episode into a recording.
+    """Turn the rows of one episode into a recording, in the order of `frame_index`.
 
     Args:
-        table: the rows of this episode alone, in order of `frame_index`.
+        table: the rows of this episode alone.
         cameras: frames that are not in the table (videos).
     """
-    features = info.features
-    state, names = _state(table, features)
-    columns, hints, notes = None, {}, []
-    joints = end_effector = gripper = None
-    if state is not None:
-        arms, note = split_columns(names, state.shape[1])
-        notes += [note] if note else []
-        if arms:
-            columns, choice = busiest(arms, state)
-            notes += [choice] if choice else []
-            hints = unit_hints(names, columns) if len(names) == state.shape[1] else {}
-            joints = state[:, columns.joints] if columns.joints else None
-            end_effector = state[:, columns.pose] if columns.pose else None
-            gripper = None if columns.gripper is None else state[:, columns.gripper]
+    notes = []
+    if "frame_index" in table.column_names and (np.diff(to_matrix(table, "frame_index")[:, 0]) < 0).any():
+        table = table.sort_by("frame_index")
+        notes.append("rows were not in the order of frame_index: sorted")
+    state, names = _state(table, info.features)
+    piper = not info.robot_type or is_piper(info.robot_type)
+    arm, hints, more = ({}, {}, []) if state is None else arm_streams(state, names, piper_order=piper)
+    notes += more
     action = next((key for key in ACTION if key in table.column_names), None)
-    images = {key: image_frames(part, table, key, str(source))
-              for key in info.cameras("image") if key in table.column_names}
+    images = {key: _image_frames(part, table, key, str(source)) for key in info.cameras("image")}
     streams = {
-        "joints": joints, "end_effector": end_effector, "gripper": gripper,
-        "action": to_matrix(table, action) if action else None, "state": state,
-        "timestamps_s": to_matrix(table, "timestamp")[:, 0] if "timestamp" in table.column_names else None,
+        **arm, "action": to_matrix(table, action) if action else None, "state": state,
+        "timestamps": to_matrix(table, "timestamp")[:, 0] if "timestamp" in table.column_names else None,
     }
     return make_recording(
-        part, ref, streams, fps=info.fps or 30.0, source=source, hints=hints, notes=notes,
-        action_names=tuple(names_of(features.get(action, {}))) if action else (),
+        part, ref, streams, fps=info.fps, source=source, hints=hints, notes=notes, robot=info.robot_type,
+        numbering={key: to_matrix(table, key)[:, 0] for key in NUMBERING if key in table.column_names},
+        action_names=tuple(_names_of(info.features.get(action, {}))) if action else (),
         cameras={key.removeprefix("observation.images."): value for key, value in {**cameras, **images}.items()})
 
 
@@ -142,7 +238,7 @@ def _state(table: pa.Table, features: Mapping[str, Any]) -> tuple[np.ndarray | N
     blocks, names = [], []
     for key in filter(None, keys):
         block = to_matrix(table, key)
-        own = names_of(features.get(key, {}))
+        own = _names_of(features.get(key, {}))
         blocks.append(block)
         names += own if len(own) == block.shape[1] else [f"unnamed_{n}" for n in range(block.shape[1])]
     if not blocks:

@@ -13,14 +13,16 @@ the streams are not aligned: each is then taken at the time nearest to the slowe
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
+from move.errors import BadInput
 from move.realworld.episode import EpisodeRef, Part, Recording, make_recording
 from move.realworld.formats.hdf5 import PIKA_ARMS, PIKA_GRIPPERS, natural
-from move.realworld.frames import from_files
+from move.realworld.frames import from_files, nearest
 from move.realworld.state_columns import POSE
 from move.realworld.untrusted_names import inside
 from move.untrusted import read_json, read_text, reading
@@ -61,10 +63,12 @@ def read(part: Part, ref: EpisodeRef) -> Recording:
         cameras = {f"camera {name}": colour / name for name in _folders(colour)}
         files, times, note = _align({k: v for k, v in {**sensors, **cameras}.items() if v is not None})
         notes += [note] if note else []
-        streams = {"timestamps_s": times} | {name: _VALUES[name](files[name]) for name in sensors if name in files}
+        streams = {"timestamps": times} | {name: _VALUES[name](files[name]) for name in sensors if name in files}
         streams, hints = _split_gripper(streams)
         frames = {name.removeprefix("camera "): from_files(files[name]) for name in cameras if name in files}
-        return make_recording(part, ref, streams, fps=None, source=folder, cameras=frames, hints=hints, notes=notes)
+        own_times = {name: np.array([_stamp(path) for path in paths]) for name, paths in files.items()}
+        return make_recording(part, ref, streams, source=folder, cameras=frames, hints=hints | {"time": "s"},
+                              notes=notes, own_times=own_times)
 
 
 def _choose(folder: Path, order: Sequence[str], *, only: bool = False) -> Path | None:
@@ -104,36 +108,26 @@ def _align(sensors: dict[str, Path]) -> tuple[dict[str, list[Path]], np.ndarray,
     slowest = min(raw, key=lambda name: len(raw[name]))
     times = np.array([_stamp(path) for path in raw[slowest]])
     files = {
-        name: [paths[i] for i in _nearest(np.array([_stamp(p) for p in paths]), times)] for name, paths in raw.items()
+        name: [paths[i] for i in nearest(np.array([_stamp(p) for p in paths]), times)] for name, paths in raw.items()
     }
     return files, times, "no sync.txt: streams aligned by the nearest time stamp"
 
 
-def _nearest(stamps: np.ndarray, times: np.ndarray) -> np.ndarray:
-    """Number of the stamp nearest to each time; both increasing."""
-    right = np.clip(np.searchsorted(stamps, times), 1, max(len(stamps) - 1, 1))
-    left = right - 1
-    right = np.minimum(right, len(stamps) - 1)
-    return np.where(np.abs(stamps[left] - times) <= np.abs(stamps[right] - times), left, right)
+def _numbers(files: Sequence[Path], keys: Sequence[str]) -> np.ndarray:
+    """The numbers under some keys of each file, (files, numbers) float64; a key's numbers may be a list."""
+    rows = []
+    for path in files:
+        told = read_json(path, "a JSON file of one sensor reading")
+        row = [number for key in keys for number in (told[key] if isinstance(told[key], list) else [told[key]])]
+        if not all(type(number) in (int, float) for number in row):
+            raise BadInput(f"{path}: {str(row)[:60]}; expected numbers")
+        rows.append(row)
+    return np.array(rows, dtype=np.float64)
 
 
-def _json(path: Path) -> dict:
-    return read_json(path, "a JSON file of one sensor reading")
-
-
-def _positions(files: Sequence[Path]) -> np.ndarray:
-    return np.array([_json(path)["position"] for path in files], dtype=np.float64)
-
-
-def _poses(files: Sequence[Path]) -> np.ndarray:
-    return np.array([[_json(path)[axis] for axis in POSE] for path in files], dtype=np.float64)
-
-
-def _openings(files: Sequence[Path]) -> np.ndarray:
-    return np.array([_json(path)["distance"] for path in files], dtype=np.float64)
-
-
-_VALUES = {"joints": _positions, "action": _positions, "end_effector": _poses, "gripper": _openings}
+_VALUES: dict[str, Callable[[Sequence[Path]], np.ndarray]] = {
+    "joints": partial(_numbers, keys=("position",)), "action": partial(_numbers, keys=("position",)),
+    "end_effector": partial(_numbers, keys=POSE), "gripper": lambda files: _numbers(files, ("distance",))[:, 0]}
 
 
 def _split_gripper(streams: dict[str, np.ndarray]) -> tuple[dict[str, np.ndarray], dict[str, str]]:

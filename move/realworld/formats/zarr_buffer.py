@@ -44,6 +44,7 @@ def episodes(part: Part) -> list[EpisodeRef]:
         within("episodes", _array(buffer, ends_name).shape[0], f"{path}: {ends_name}")
         with buffer.opened() as group:
             ends = np.asarray(_stored(group, ends_name)[:])
+            gaps = tuple(filter(None, (_gap(name, _stored(group, name)) for name in sorted(buffer.arrays))))
         if ends.ndim != 1 or ends.dtype.kind not in "iu":
             raise BadInput(f"{path}: {ends_name} is {ends.dtype} {ends.shape}; expected whole numbers (episodes,)")
         ends = ends.astype(np.int64)
@@ -51,7 +52,7 @@ def episodes(part: Part) -> list[EpisodeRef]:
     if (ends <= starts).any():
         raise BadInput(f"{part.root}: meta/episode_ends must increase; found {ends[:6].tolist()}")
     return [
-        EpisodeRef(n, part.files, int(end - start), {"rows": (int(start), int(end)), "buffer": buffer})
+        EpisodeRef(n, part.files, int(end - start), {"rows": (int(start), int(end)), "buffer": buffer, "gaps": gaps})
         for n, (start, end) in enumerate(zip(starts, ends, strict=True))
     ]
 
@@ -67,6 +68,12 @@ def _stored(group: zarr.Group, name: str) -> zarr.Array:
     array = group[name]
     assert isinstance(array, zarr.Array)
     return array
+
+
+def _gap(name: str, array: zarr.Array) -> str:
+    """The chunks that an array lacks, which are read as zeros, or nothing."""
+    stored, chunks = array.nchunks_initialized, array.nchunks
+    return f"{name} has {stored} of its {chunks} chunks" if stored < chunks else ""
 
 
 def read(part: Part, ref: EpisodeRef) -> Recording:
@@ -86,14 +93,16 @@ def read(part: Part, ref: EpisodeRef) -> Recording:
         gripper = rows(GRIPPER)
         streams = {
             "joints": rows(JOINTS), "end_effector": rows(POSE), "action": rows(("action",)),
-            "gripper": None if gripper is None else gripper.reshape(len(gripper), -1)[:, 0], "timestamps_s": rows(TIME),
+            "gripper": None if gripper is None else gripper.reshape(len(gripper), -1)[:, 0], "timestamps": rows(TIME),
             "state": rows(STATE),
         }
     images = {key: _frames(buffer, key, start, end) for key, about in names.items() if len(about.shape) == 4}
-    notes = ["simulation data: the state is not a robot's joints, and is kept as stored"] if set(
-        names) >= SIMULATION else []
-    return make_recording(part, ref, streams, fps=30.0, source=part.root, cameras=images | _videos(part, ref),
-                          notes=notes)
+    simulated = set(names) >= SIMULATION
+    notes = ["simulation data: the state is not a robot's joints, and is kept as stored"] if simulated else []
+    videos = _videos(part, ref)
+    notes += ["videos begin at their episode's first timestep: assumed"] if videos else []
+    return make_recording(part, ref, streams, source=part.root, cameras=images | videos, notes=notes,
+                          gaps=ref.place["gaps"], simulated=simulated or None)
 
 
 def _frames(buffer: PlainGroup, key: str, start: int, end: int) -> Frames:
@@ -111,4 +120,4 @@ def _videos(part: Part, ref: EpisodeRef) -> dict[str, Frames]:
     zipped = part.files[0].endswith(".zarr.zip")
     folder = (part.root if zipped else part.root.parent) / "videos" / str(ref.index)
     known = part.name != "." and folder.is_dir()
-    return {path.stem: from_video(path) for path in sorted(folder.glob("*.mp4"))} if known else {}
+    return {path.stem: from_video(path, start_s=None) for path in sorted(folder.glob("*.mp4"))} if known else {}
