@@ -226,16 +226,17 @@ def test_pairs_of_real_cells_have_the_methods_names_and_sizes():
     assert tables.printed_pairs(table)[["first", "second"]].values.tolist() == [["static 35k", "MOVE 75k"]]
 
 
-def test_the_noise_of_a_figure_is_that_of_table_2_from_the_same_observation(monkeypatch):
+@pytest.mark.parametrize("observation", ["rgb", "keypoints"])
+@pytest.mark.parametrize("grid", [False, True])
+def test_the_noise_of_a_figure_is_that_of_all_cells_that_are_tried_alike(observation, grid, monkeypatch):
     asked = []
+    monkeypatch.setattr(noise, "split", lambda specs, folder: (asked.extend(specs) or [], []))
+    assert noise.known_noise(LAPTOP, observation, grid) is UNKNOWN
+    assert {(spec.observation, spec.evaluation.starts == "grid") for spec in asked} == {(observation, grid)}
+    assert len({spec.task for spec in asked}) == (1 if grid else 10) and all(spec.training for spec in asked)
 
-    def split(specs, folder):
-        asked.append({(spec.observation, spec.task, spec.evaluation.factors) for spec in specs})
-        return [], []
 
-    monkeypatch.setattr(noise, "split", split)
-    assert noise.known_noise(LAPTOP, "rgb") is UNKNOWN and noise.known_noise(LAPTOP, "keypoints") is UNKNOWN
-    for observation, cells_asked in zip(("rgb", "keypoints"), asked, strict=True):
-        assert {seen for seen, _, _ in cells_asked} == {observation} and len({task for _, task, _ in cells_asked}) == 10
-        assert {factors for _, _, factors in cells_asked} == {"all"}
-    assert noise.known_noise(load_profile("laptop-keypoints"), "rgb") is UNKNOWN and len(asked) == 2
+def test_nothing_is_known_of_the_noise_without_a_recipe_or_from_one_seed(tmp_path, monkeypatch):
+    assert noise.known_noise(load_profile("laptop-keypoints"), "rgb") is UNKNOWN
+    monkeypatch.setattr(noise, "results", lambda profile: tmp_path)
+    assert noise.known_noise(LAPTOP, "rgb") is UNKNOWN

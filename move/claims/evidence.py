@@ -32,6 +32,7 @@ from move.study.profiles import Profile
 from move.study.results import Result, split, table
 
 Where = dict[str, Any]
+ON_A_GRID = ("fig1_sparse", "few_demonstrations", "fig3_dense", "fig5_circle")
 EPISODE_COLUMNS = ["run", "kind", "task", "method", "observation", "timesteps", "factors", "hand_spread", "seed",
                    "trial", "group", "success", "steps", "object_x", "object_y"]
 
@@ -53,14 +54,14 @@ class Evidence:
         rows = self._rows(experiment, where)
         if rows.empty:
             return self.missing(what, experiment, where)
-        return _finding(what, success_rate(successes(rows), self.noise), rows, above, paper)
+        return _finding(what, success_rate(successes(rows), self.noise(experiment)), rows, above, paper)
 
     def failure(self, what: str, experiment: str, where: Where, above: float) -> Item:
         """The share of episodes that fail, said to be above a value."""
         rows = self._rows(experiment, where)
         if rows.empty:
             return self.missing(what, experiment, where)
-        return _finding(what, success_rate(1 - successes(rows), self.noise), rows, above, float("nan"))
+        return _finding(what, success_rate(1 - successes(rows), self.noise(experiment)), rows, above, float("nan"))
 
     def difference(self, what: str, experiment: str, one: Where, other: Where, paper: float = float("nan"),
                    above: float = 0.0) -> Item:
@@ -69,13 +70,13 @@ class Evidence:
         if first.empty or second.empty:
             return self.missing(what, experiment, *[where for where, rows in ((one, first), (other, second))
                                                     if rows.empty])
-        return self.apart(what, first, second, paper, above)
+        return self.apart(what, first, second, self.noise(experiment), paper, above)
 
-    def apart(self, what: str, first: pd.DataFrame, second: pd.DataFrame, paper: float = float("nan"),
-              above: float = 0.0, paired: bool = True) -> Finding:
+    def apart(self, what: str, first: pd.DataFrame, second: pd.DataFrame, noise: TrainingNoise,
+              paper: float = float("nan"), above: float = 0.0, paired: bool = True) -> Finding:
         """The same of episodes that are given; not paired where each side has configurations of its own."""
         compare = difference if paired else unpaired_difference
-        found = compare(successes(first), successes(second), self.noise)
+        found = compare(successes(first), successes(second), noise)
         return _finding(what, found, pd.concat([first, second]), above, paper)
 
     def mean_difference(self, what: str, experiment: str, tasks: list[str], one: Where, other: Where,
@@ -113,10 +114,13 @@ class Evidence:
         lacking = lacking.drop_duplicates("run")
         return Missing(what, len(lacking), float(lacking.steps.sum() * self._minutes_a_step))
 
-    @cached_property
-    def noise(self) -> TrainingNoise:
-        """How much rates vary from training to training: those from pixels, where the profile has images."""
-        return known_noise(self.profile, "rgb" if self.profile.training.get("rgb") else "keypoints")
+    def noise(self, experiment: str) -> TrainingNoise:
+        """How much an experiment's rates vary from training to training; from pixels, where the profile has images."""
+        return self._known(experiment in ON_A_GRID)
+
+    @cache  # noqa: B019, an evidence lives as long as its ledger
+    def _known(self, grid: bool) -> TrainingNoise:
+        return known_noise(self.profile, "rgb" if self.profile.training.get("rgb") else "keypoints", grid)
 
     def _over_tasks(self, estimate: Callable[..., Estimate], what: str, experiment: str, tasks: list[str], one: Where,
                     other: Where, paper: float) -> Item:
@@ -124,7 +128,7 @@ class Evidence:
                  for task in tasks]
         if any(first.empty or second.empty for first, second in pairs):
             return self.missing(what, experiment, one, other)
-        found = estimate([(successes(first), successes(second)) for first, second in pairs], self.noise)
+        found = estimate([(successes(first), successes(second)) for first, second in pairs], self.noise(experiment))
         return _finding(what, found, pd.concat([part for pair in pairs for part in pair]), 0.0, paper)
 
     def _rows(self, experiment: str, where: Where) -> pd.DataFrame:

@@ -106,7 +106,7 @@ def _efficiency(evidence: Evidence, task: str, above: float = 1.0, printed: floa
     curves, budget = by_budget(rows), get_task(task).budget(20_000)
     if min(map(len, curves.values())) < 3 or budget not in curves["move"]:
         return evidence.missing(f"{TASKS[task].title}, three budgets", "fig4_scaling", {"task": task})
-    found = data_efficiency(curves["static"], curves["move"], budget, evidence.noise)
+    found = data_efficiency(curves["static"], curves["move"], budget, evidence.noise("fig4_scaling"))
     value, low, high = (found.surely(ratio, above) for ratio in (found.ratio, found.low, found.high))
     return Finding(f"{TASKS[task].title}, above {above:g}", value, low, high, above, paper=printed,
                    p_value=found.p_value(above), runs=tuple(rows.run.unique()), told=str(found))
@@ -198,7 +198,7 @@ def _circle(evidence: Evidence, where: str) -> Item:
     move, static = (rows[(rows["where"] == where) & (rows.method == method)] for method in ("move", "static"))
     if move.empty or static.empty:
         return evidence.missing(what, "fig5_circle", {"method": "static" if static.empty else "move"})
-    return evidence.apart(what, move, static, printed.move - printed.static)
+    return evidence.apart(what, move, static, evidence.noise("fig5_circle"), printed.move - printed.static)
 
 
 @claim("dominates within the circle: 21.3% against 43.7%", "IV-A, figure 5", "fig5_circle")
@@ -222,8 +222,8 @@ def _factors(evidence: Evidence, printed: pd.Series) -> Item:
     one, every = (evidence.rows("table1_spatial_factors", factors=factors, **STATIC) for factors in ("object", "all"))
     if one.empty or every.empty:
         return evidence.missing("table 1, static", "table1_spatial_factors", {"method": "static"})
-    return evidence.apart("static, object alone minus all factors", one, every, printed["object"] - printed["all"],
-                          paired=False)
+    return evidence.apart("static, object alone minus all factors", one, every,
+                          evidence.noise("table1_spatial_factors"), printed["object"] - printed["all"], paired=False)
 
 
 @claim("success rates decay exponentially as the spatial dimensions expand", "I, III-A", "table1_spatial_factors")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
+
 import numpy as np
 import pandas as pd
 
@@ -11,14 +13,17 @@ from move.statistics.estimates import (
     UNKNOWN,
     Estimate,
     TrainingNoise,
+    contrast,
     difference,
     holm,
+    mean_contrast,
     mean_difference,
 )
 from move.statistics.over_tasks import over_tasks
 
 Pair = tuple[np.ndarray, np.ndarray]
 COLUMNS = ("difference", "low", "high", "p", "holm", "trainings")
+CHANGE = (1.0, -1.0, -1.0, 1.0)  # of MOVE and static late, MOVE and static early
 LEVEL = 0.05  # of a word such as "above": of all the words of one table together
 
 
@@ -42,11 +47,17 @@ def difference_table(episodes: pd.DataFrame, by: str, others: tuple[str, ...] = 
     return table.sort_values(by, key=lambda values: values.map(order), kind="stable", ignore_index=True)
 
 
-def differences_at(episodes: pd.DataFrame, at: str, by: str,
-                   others: tuple[str, ...] = ("static", "adc")) -> pd.DataFrame:
+def differences_at(episodes: pd.DataFrame, at: str, by: str, others: tuple[str, ...] = ("static", "adc"),
+                   known: TrainingNoise = UNKNOWN) -> pd.DataFrame:
     """A `difference_table` for each value of column `at` by itself, one below the other."""
-    return pd.concat([difference_table(rows, by, others).assign(**{at: value}) for value, rows in episodes.groupby(at)],
-                     ignore_index=True)
+    return pd.concat([difference_table(rows, by, others, known).assign(**{at: value})
+                      for value, rows in episodes.groupby(at)], ignore_index=True)
+
+
+def joined(tables: Iterable[pd.DataFrame]) -> pd.DataFrame:
+    """Tables of differences, one below the other, with Holm's adjustment over all of their rows."""
+    rows = pd.concat(tables, ignore_index=True)
+    return rows.assign(holm=holm(rows.p)) if len(rows) else rows
 
 
 def difference_means(episodes: pd.DataFrame, by: str, others: tuple[str, ...] = ("static", "adc"),
@@ -86,46 +97,52 @@ def _pairs(episodes: pd.DataFrame, by: str, other: str) -> list[tuple[object, Pa
     return pairs
 
 
-def reading_difference(episodes: pd.DataFrame, column: str, one: str, other: str) -> pd.Series:
+def reading_difference(episodes: pd.DataFrame, column: str, one: str, other: str,
+                       known: TrainingNoise = UNKNOWN) -> pd.Series:
     """Mean over the tasks that have both of the rate of variant `one` minus that of `other`; empty where none has.
 
     The variants are named in `column`. Entries items and `COLUMNS`, as in `difference_means`.
     """
-    noise, pairs = training_noise(episodes, ["task", column]), []
+    noise, pairs = training_noise(episodes, ["task", column], known), []
     for _, group in episodes.groupby("task", sort=False):
         cells = {name: successes(part) for name, part in group.groupby(column)}
         pairs += [(cells[one], cells[other])] if {one, other} <= set(cells) else []
     return pd.Series(_mean(pairs, noise) if pairs else {}, dtype=object)
 
 
-def reading_differences(episodes: pd.DataFrame, by: str, column: str, other: str, ones: list[str]) -> pd.DataFrame:
-    """`reading_difference` of each of the variants `ones` against `other`, one row a value of `by` that has both."""
+def reading_differences(episodes: pd.DataFrame, by: str, column: str, other: str, ones: list[str],
+                        known: Mapping[str, TrainingNoise] | None = None) -> pd.DataFrame:
+    """`reading_difference` of each of the variants `ones` against `other`, one row a value of `by` that has both.
+
+    Args:
+        known: value of `by` -> its training noise, where something is known.
+    """
     rows = [{by: value, column: one, "baseline": other, **found} for value, part in episodes.groupby(by, sort=False)
-            for one in ones if len(found := reading_difference(part, column, one, other))]
+            for one in ones
+            if len(found := reading_difference(part, column, one, other, (known or {}).get(str(value), UNKNOWN)))]
     return pd.DataFrame(rows, columns=[by, column, "baseline", "items", *COLUMNS])
 
 
-def length_matters(episodes: pd.DataFrame) -> pd.DataFrame:
+def length_matters(episodes: pd.DataFrame, known: TrainingNoise = UNKNOWN) -> pd.DataFrame:
     """MOVE minus static at the longest training minus the same at the shortest: one row a task, and their mean.
 
-    Columns task ("mean of n" last), then `COLUMNS`, of that change. The noise of trainings is pooled
-    over all cells; a difference of two methods has twice that of one.
+    Columns task ("mean of n" last), then `COLUMNS`, of that change.
 
     Args:
         episodes: of static and MOVE, with the label `length` of their experiment.
     """
-    one = training_noise(episodes, ["task", "method", "length"])
-    noise = TrainingNoise(2 * one.variance, one.degrees)
-    pairs: dict[str, Pair] = {}
-    ends = (episodes.length.max(), episodes.length.min())
+    noise = training_noise(episodes, ["task", "method", "length"], known)
+    ends = [(method, length) for length in (episodes.length.max(), episodes.length.min())
+            for method in ("move", "static")]
+    cells_of: dict[str, list[np.ndarray]] = {}
     for task, group in episodes.groupby("task", sort=False):
         cells = {key: successes(part) for key, part in group.groupby(["method", "length"])}
-        if all((method, length) in cells for method in ("static", "move") for length in ends):
-            late, early = (cells["move", length] - cells["static", length] for length in ends)
-            pairs[task] = late, early
-    rows = with_holm([{"task": task, **as_columns(difference(*pair, noise))} for task, pair in pairs.items()])
-    if len(pairs) > 1:
-        rows.append({"task": f"mean of {len(pairs)}", **_mean(list(pairs.values()), noise)})
+        if set(ends) <= set(cells):
+            cells_of[task] = [cells[end] for end in ends]
+    rows = with_holm([{"task": task, **as_columns(contrast(cells, CHANGE, noise))} for task, cells in cells_of.items()])
+    if len(cells_of) > 1:
+        mean = mean_contrast(list(cells_of.values()), CHANGE, noise)
+        rows.append({"task": f"mean of {len(cells_of)}", **as_columns(mean), "holm": mean.p_value})
     return pd.DataFrame(rows, columns=["task", *COLUMNS])
 
 

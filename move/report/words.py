@@ -13,8 +13,8 @@ class Words(NamedTuple):
     alt: str
 
 
-_INTERVALS = ("Error bars are 95 % intervals that know how trainings and configurations differ; with fewer than three "
-              "seeds the noise of trainings is pooled over cells that have more.")
+_INTERVALS = ("Error bars are 95 % intervals that include how trainings and configurations differ; a cell's training "
+              "variance is moderated by that of all like cells.")
 _MAPS = ("seen from above: a cell is one place of the object, its colour the number of seeds whose policy succeeds "
          "there; the robot's base is below the map, at x = 0, y = 0.")
 
@@ -144,7 +144,7 @@ FIGURES = {
         "What can a success rate say?",
         "Simulated studies of 100 configurations. (a) How often nominal 95 % intervals hold the true rate: ours "
         "filled, those that count episodes alone hollow, one shape a number of seeds; the grey band is 93 to 97 %. "
-        "(b) How wide ours are with one seed and with more, for three sizes of what trainings differ.",
+        "(b) How wide ours are with one seed and with more, by how much trainings differ.",
         "A scatter plot of coverages around a band at 95 %, and three falling curves."),
     "table1_spatial_factors": Words(
         "Table 1. How much harder does every random factor make it?",
@@ -189,7 +189,7 @@ FIGURES = {
         "Four panels of points with intervals, one line a change of the recipe."),
 }
 
-_RATES = "Success in per cent with 95 % intervals, which know how trainings and configurations differ."
+_RATES = "Success in per cent with 95 % intervals, which include how trainings and configurations differ."
 _DIFFERENCES = ("MOVE minus another method in points, paired by configuration, with 95 % intervals; p after Holm's "
                 "adjustment is over the rows of one comparison.")
 _COSTS = "Minutes that a run takes, median, one core."
