@@ -1,7 +1,7 @@
 """Writes README's results, between its markers, from the figures' own tables: `python tools/results_table.py`.
 
-The verdict of a row is a rule on two numbers and an interval (`move.report.differences.verdict`); nobody words it.
-Below the table stand figure 4 as a number and how many of the paper's claims have which verdict.
+The verdict of a row is that of the ledger's rule (`move/claims/rule.py`); nobody words it. Below the table are figure 4
+as a number and how many of the paper's claims have which verdict.
 """
 
 from __future__ import annotations
@@ -9,8 +9,9 @@ from __future__ import annotations
 import pandas as pd
 
 from move import paper, paths
+from move.claims.quantities import half_width
 from move.claims.rule import VERDICTS
-from move.report.differences import verdict
+from move.report.differences import difference_verdict, points
 from move.report.efficiency import spoken_efficiency
 from move.study.profiles import load_profile
 
@@ -58,12 +59,22 @@ def _seeds(rates: object) -> int:
     return len(str(rates).split())
 
 
-def _line(what: str, ours: tuple[float, float], found: tuple[float, float, float], seeds: int | str,
-          published: tuple[float, float], names: str) -> str:
-    points = "{:+.0f} [{:+.0f}, {:+.0f}]".format(*(100 * value for value in found))
+def _line(what: str, ours: tuple[float, float], found: pd.Series, seeds: int | str,
+          published: tuple[float, float], names: str, half: float = 0.0) -> str:
+    """A row of the table; `found` is the second of the two rates minus the first, and so is the paper's."""
+    ends = "{} [{}, {}]".format(*map(points, (found.difference, found.low, found.high)))
     theirs = published[1] - published[0]
-    return (f"| {what}: {names} | {ours[0]:.2f}, {ours[1]:.2f} | {points} points | {seeds} | {published[0]:.3f}, "
-            f"{published[1]:.3f} ({100 * theirs:+.0f}) | {verdict(*found, theirs)} |")
+    told = difference_verdict(_rising(found, theirs), min(ours), half)
+    return (f"| {what}: {names} | {ours[0]:.2f}, {ours[1]:.2f} | {ends} points | {seeds} | {published[0]:.3f}, "
+            f"{published[1]:.3f} ({points(theirs)}) | {told} |")
+
+
+def _rising(found: pd.Series, theirs: float) -> pd.Series:
+    """A difference with the paper's, both the other way round where the paper's is a fall."""
+    row = {"difference": found.difference, "low": found.low, "high": found.high, "paper": theirs}
+    if theirs < 0:
+        row = {"difference": -found.difference, "low": -found.high, "high": -found.low, "paper": -theirs}
+    return pd.Series(row)
 
 
 def _difference(what: str, rates: str, differences: str, where: str = "") -> str:
@@ -72,8 +83,8 @@ def _difference(what: str, rates: str, differences: str, where: str = "") -> str
         ours, found = ours[ours["where"] == where], found[found["where"] == where]
     ours, found = ours.set_index("method"), found[found.baseline == "static"].iloc[0]
     printed = paper.published(rates, condition=where).set_index("method").value
-    return _line(what, (ours.value["static"], ours.value["move"]), (found.difference, found.low, found.high),
-                 _seeds(ours.seeds["move"]), (printed["static"], printed["move"]), "static, MOVE")
+    return _line(what, (ours.value["static"], ours.value["move"]), found, _seeds(ours.seeds["move"]),
+                 (printed["static"], printed["move"]), "static, MOVE")
 
 
 def _factors() -> str:
@@ -82,18 +93,20 @@ def _factors() -> str:
     one, every = ours.loc["object"], ours.loc["all"]
     printed = paper.published("table1_spatial_factors").set_index("condition").value
     lost = _read("table1_spatial_factors_lost").set_index("factors").loc["all"]
-    return _line("Table 1", (one.value, every.value), (lost.difference, lost.low, lost.high), _seeds(every.seeds),
-                 (printed["object"], printed["all"]), "static, the object random and everything random")
+    return _line("Table 1", (one.value, every.value), lost, _seeds(every.seeds), (printed["object"], printed["all"]),
+                 "static, the object random and everything random",
+                 half_width([printed["object"]], [printed["all"]], paper.EPISODES_A_RATE))
 
 
 def _tasks(other: str) -> str:
     rates, found = _read("table2_main"), _read("table2_main_differences_mean").set_index("baseline").loc[other]
     ours, name = rates.groupby("method").value.mean(), "ADC" if other == "adc" else other
-    printed = paper.published("table2_main", "mean_success").set_index("method").value
+    printed = {method: list(rows.paper) for method, rows in rates.groupby("method")}  # of the tasks that are there
     seeds = sorted(set(rates[rates.method.isin([other, "move"])].seeds.map(_seeds)))
     what = f"Table 2, mean of {found['items']:.0f} tasks"
-    return _line(what, (ours[other], ours["move"]), (found.difference, found.low, found.high),
-                 " to ".join(map(str, seeds)), (printed[other], printed["move"]), f"{name}, MOVE")
+    means = tuple(sum(printed[method]) / len(printed[method]) for method in (other, "move"))
+    return _line(what, (ours[other], ours["move"]), found, " to ".join(map(str, seeds)), means, f"{name}, MOVE",
+                 half_width(printed["move"], printed[other], paper.EPISODES_A_RATE))
 
 
 if __name__ == "__main__":

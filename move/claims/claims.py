@@ -46,7 +46,7 @@ class Quantity(Strict):
     other: Where = Field(default={}, description="of the second side")
     each: dict[str, list[Any]] = Field(default={}, description="columns whose values make a number each, in step")
     direction: Literal["above", "same", "no worse"] = Field(
-        default="above", description="above `margin`; within `margin` of 0 (or of the paper); no more below 0 than that")
+        default="above", description="above `margin`; within `margin` of 0; no more than `margin` below 0")
     margin: float = 0.0
     paper: Paper = Paper()
     options: dict[str, Any] = Field(default={}, description="what else the function takes")

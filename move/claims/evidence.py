@@ -57,7 +57,9 @@ class Evidence:
         if lacking.empty:
             return Missing(f"{what} (profile {self.profile.name} has no runs for it)", 0, 0.0)
         lacking = lacking.drop_duplicates("run")
-        return Missing(what, len(lacking), float(lacking.steps.sum() * self._minutes_a_step))
+        collected = int((lacking.steps == 0).sum())
+        return Missing(what, len(lacking), float(lacking.steps.sum() * self._minutes_a_step
+                                                 + collected * self._minutes_without_training))
 
     def finding(self, what: str, found: Estimate, rows: pd.DataFrame, quantity: Quantity, **more: Any) -> Finding:
         """An estimate from episodes, as a finding of what a claim says of it."""
@@ -70,7 +72,8 @@ class Evidence:
         if not all(spent):
             return None
         noise = self.noise(experiment)
-        variance = noise.variance * noise.degrees / (noise.degrees - 2) if noise.degrees else 0.0
+        rate = float(np.mean([rows.success.mean() for rows in sides]))
+        variance = 4 * rate * (1 - rate) * noise.variance * noise.degrees / (noise.degrees - 2) if noise.degrees else 0
         count = min(rows.groupby("run").size().min() for rows in sides)
         whole, tried = (sum(median(map(part, each)) for each in spent) / 60 for part in (
             lambda seconds: sum(seconds.values()), lambda seconds: seconds.get("evaluate", 0.0)))
@@ -104,7 +107,14 @@ class Evidence:
         return median(spent) if spent else 0.0
 
 
-def region(quantity: Quantity) -> dict[str, float]:
+    @cached_property
+    def _minutes_without_training(self) -> float:
+        """Core-minutes of a run that only collects, the median of table 6's."""
+        spent = [sum(result.seconds.values()) / 60 for result in self._stored("table6_collection").values()]
+        return median(spent) if spent else 0.0
+
+
+def region(quantity: Quantity) -> dict[str, Any]:
     """Where a claim says that a quantity lies: `above`, `below` and `equal` of a finding."""
     if quantity.direction == "above":
         return {"above": quantity.margin}

@@ -14,7 +14,7 @@ from pydantic import Field
 from move.claims.claims import Claim, Strict, claims, fingerprint
 from move.claims.evidence import Evidence
 from move.claims.quantities import findings
-from move.claims.rule import UNDECIDED, VERDICTS, Finding, Item, Join, counted, verdict
+from move.claims.rule import NAN, UNDECIDED, VERDICTS, Finding, Item, Join, counted, mean_finding, verdict
 
 COLUMNS = ["number", "claim", "place", "verdict", "evidence", "needed", "figure", "runs", "hashes"]
 MANY = 3  # from so many findings on their answers are counted
@@ -31,7 +31,7 @@ class Number(Strict):
     below: float | None = Field(description="and below this")
     equal: float | None = Field(description="the value that two things have if they are the same")
     paper: float | None = Field(description="the paper's value of the same number")
-    paper_half_width: float = Field(description="half of that value's own 95 % interval, 0 where nothing is known of it")
+    paper_half_width: float = Field(description="half of its own 95 % interval, 0 where nothing is known of it")
     room: float | None = Field(description="the largest value that was possible")
     answer: Literal["yes", "no", "open"] = Field(description="whether it lies where the claim says")
     size: Literal["", "smaller", "larger"] = Field(description="whether the paper's value is excluded, and how ours is")
@@ -80,12 +80,45 @@ def as_table(decided: Sequence[Entry]) -> pd.DataFrame:
         for one in decided], columns=COLUMNS)
 
 
+def numbers(decided: Sequence[Entry]) -> pd.DataFrame:
+    """The claims that are numbers, for a plot: one row a number, the rows of a claim together.
+
+    Columns number, claim, figure, verdict, value, low, high, paper; factor (static's timesteps over MOVE's) and whole
+    (of several: their mean, or the contrast over them).
+    """
+    rows = []
+    for one in decided:
+        found = [each for each in one.numbers if None not in (each.value, each.low, each.high)]
+        several = [each for each in found if not each.trend]
+        factor = one.figure == "fig4_scaling" and all(each.above == 1 for each in found)
+        named = {"number": one.number, "claim": one.claim, "figure": one.figure, "verdict": one.verdict,
+                 "factor": factor}
+        rows += [{**named, **_point(each), "whole": len(found) == 1 or each.trend} for each in found]
+        if one.join == "every" and len(several) > 1 and not factor:
+            rows.append({**named, **_mean(several), "whole": True})
+    return pd.DataFrame(rows, columns=["number", "claim", "figure", "verdict", "factor", "value", "low", "high",
+                                       "paper", "whole"])
+
+
+def _point(number: Number) -> dict[str, float]:
+    return {name: NAN if (value := getattr(number, name)) is None else value
+            for name in ("value", "low", "high", "paper")}
+
+
+def _mean(several: Sequence[Number]) -> dict[str, float]:
+    parts = [_point(each) for each in several]
+    mean = mean_finding([Finding("", part["value"], part["low"], part["high"]) for part in parts])
+    return {"value": mean.value, "low": mean.low, "high": mean.high,
+            "paper": float(np.mean([part["paper"] for part in parts]))}
+
+
 def save_json(decided: Sequence[Entry], folder: Path) -> None:
     """Write claims.json, and claims.schema.json that describes it, for other programs."""
     ledger = Ledger(claims_sha256=fingerprint(), claims=list(decided))
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "claims.json").write_text(ledger.model_dump_json(indent=1) + "\n", encoding="utf-8")
-    (folder / "claims.schema.json").write_text(json.dumps(Ledger.model_json_schema(), indent=1) + "\n", encoding="utf-8")
+    schema = json.dumps(Ledger.model_json_schema(), indent=1)
+    (folder / "claims.schema.json").write_text(schema + "\n", encoding="utf-8")
 
 
 def _entry(claim: Claim, items: Sequence[Item]) -> Entry:
@@ -93,7 +126,8 @@ def _entry(claim: Claim, items: Sequence[Item]) -> Entry:
     found = verdict(items, claim.join)
     return Entry(
         number=claim.number, claim=claim.quote, place=claim.place, figure=claim.figure, join=claim.join, verdict=found,
-        numbers=[_number(item) for item in numbers], notes=[str(item) for item in items if not isinstance(item, Finding)],
+        numbers=[_number(item) for item in numbers],
+        notes=[str(item) for item in items if not isinstance(item, Finding)],
         needed=[item.needed for item in numbers if item.needed] if found == UNDECIDED else [], changed=claim.changed,
         runs=sorted({run for item in numbers for run in item.runs}))
 

@@ -20,6 +20,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -49,7 +50,7 @@ from move.statistics.estimates import (
 )
 from move.statistics.intervals import CONFIDENCE
 
-Find = Callable[[Evidence, Quantity, str], Sequence[Item]]
+Find = Callable[[Evidence, Quantity, str], list[Item]]
 QUANTITIES: dict[str, Find] = {}
 
 
@@ -82,7 +83,7 @@ def named(each: Quantity, where: Where) -> str:
     return each.what.format(**words)
 
 
-def printed(each: Quantity, place: int) -> dict[str, float]:
+def printed(each: Quantity, place: int) -> dict[str, Any]:
     """The paper's value of one number of several and half of its 95 % interval, of its episodes alone."""
     theirs = each.paper
     if theirs.value:
@@ -90,10 +91,10 @@ def printed(each: Quantity, place: int) -> dict[str, float]:
     if not theirs.one:
         return {}
     one, other = (rates[min(place, len(rates) - 1)] if rates else 0.0 for rates in (theirs.one, theirs.other))
-    return {"paper": one - other, "paper_half_width": _half_width([one], [other], theirs.episodes)}
+    return {"paper": one - other, "paper_half_width": half_width([one], [other], theirs.episodes)}
 
 
-def _half_width(one: list[float], other: list[float], episodes: int) -> float:
+def half_width(one: list[float], other: list[float], episodes: int) -> float:
     """Half the 95 % interval of a difference of means of printed rates, as far as their episodes tell."""
     if not episodes:
         return 0.0
@@ -106,8 +107,18 @@ def _variance(rates: list[float], episodes: int) -> float:
 
 
 @quantity("rate")
-def rates(evidence: Evidence, each: Quantity, experiment: str, failing: bool = False) -> list[Item]:
+def rates(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
     """Success rates."""
+    return _rates(evidence, each, experiment, failing=False)
+
+
+@quantity("failure")
+def failures(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
+    """Shares of episodes that fail."""
+    return _rates(evidence, each, experiment, failing=True)
+
+
+def _rates(evidence: Evidence, each: Quantity, experiment: str, failing: bool) -> list[Item]:
     items: list[Item] = []
     for place, where in enumerate(repetitions(each)):
         what, rows = named(each, where), evidence.rows(experiment, each.where, each.one, where)
@@ -118,12 +129,6 @@ def rates(evidence: Evidence, each: Quantity, experiment: str, failing: bool = F
         found = success_rate(cells, evidence.noise(experiment))
         items.append(evidence.finding(what, found, rows, each, **printed(each, place)))
     return items
-
-
-@quantity("failure")
-def failures(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
-    """Shares of episodes that fail."""
-    return rates(evidence, each, experiment, failing=True)
 
 
 def _sides(
@@ -148,9 +153,9 @@ def differences(evidence: Evidence, each: Quantity, experiment: str) -> list[Ite
             continue
         one, other = sides
         found = estimate(successes(one), successes(other), evidence.noise(experiment))
-        items.append(evidence.finding(
-            named(each, where), found, pd.concat(sides), each, room=1 - float(other.success.mean()),
-            design=evidence.design(experiment, sides), **printed(each, place)))
+        item = evidence.finding(named(each, where), found, pd.concat(sides), each,
+                                room=1 - float(other.success.mean()), **printed(each, place))
+        items.append(replace(item, design=evidence.design(experiment, sides)) if item.answer == "open" else item)
     return items
 
 
@@ -170,10 +175,10 @@ def _over_all(
     evidence: Evidence, each: Quantity, experiment: str, estimate: Callable[..., Estimate]
 ) -> list[Item]:
     sides = [_sides(evidence, each, experiment, where) for where in repetitions(each)]
-    lacking = [one for one in sides if isinstance(one, Missing)]
     there = [one for one in sides if not isinstance(one, Missing)]
-    if lacking:
-        return [Missing(each.what, sum(one.runs for one in lacking), sum(one.minutes for one in lacking))]
+    if len(there) < len(sides):
+        return [evidence.missing(each.what, experiment, *({**each.where, **where, **side} for where in repetitions(each)
+                                                          for side in (each.one, each.other)))]
     gain = estimate is relative_gain
     if gain and not all(any(side.success.any() for side in part) for part in zip(*there, strict=True)):
         return []  # nothing to be relative to
@@ -184,14 +189,14 @@ def _over_all(
                              **theirs)]
 
 
-def _printed_mean(each: Quantity, gain: bool) -> dict[str, float]:
+def _printed_mean(each: Quantity, gain: bool) -> dict[str, Any]:
     """The paper's value of a mean over things, from its printed rates."""
     one, other, episodes = each.paper.one, each.paper.other, each.paper.episodes
     if not one:
         return {}
     first, second = float(np.mean(one)), float(np.mean(other))
     if not gain:
-        return {"paper": first - second, "paper_half_width": _half_width(one, other, episodes)}
+        return {"paper": first - second, "paper_half_width": half_width(one, other, episodes)}
     relative = _variance(one, episodes) / first**2 + _variance(other, episodes) / second**2 if episodes else 0.0
     return {"paper": first / second - 1, "paper_half_width": TWO_SIDED * first / second * float(np.sqrt(relative))}
 

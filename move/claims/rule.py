@@ -1,4 +1,4 @@
-"""Verdicts on claims: what a claim is decided by, as numbers with intervals, and one rule that turns them into a verdict.
+"""Verdicts on claims: what decides a claim, as numbers with intervals, and one rule that makes a verdict of them.
 
 Nobody types one. README, captions, notebooks and the ledger have the same words:
 
@@ -13,9 +13,9 @@ Nobody types one. README, captions, notebooks and the ledger have the same words
     not built here              it could be tested, and nothing here does
     not computed yet            a run is missing; what it costs is printed
 
-A finding is a number with its 95 % interval. It is a yes where the whole interval lies in the claimed region, a no where
-the whole interval lies outside of it, and open otherwise: the interval is the only test. How the findings of a claim are
-joined is part of the claim:
+A finding is a number with its 95 % interval. It is a yes where the whole interval lies in the claimed region, a no
+where the whole interval lies outside of it, and open otherwise: the interval is the only test. How the findings of a
+claim are joined is part of the claim:
 
     every   all have to be a yes, each at .05; refuted by one that is a no after Holm's adjustment
     some    one has to be a yes after Holm's adjustment; refuted if all are a no
@@ -241,16 +241,16 @@ def verdict(items: Sequence[Item], join: Join = "every") -> str:
 
 
 def mean_finding(findings: Sequence[Finding]) -> Finding:
-    """The mean of findings of fixed things, such as ten tasks; factors are averaged as they are bounded.
+    """The mean of how far findings are above what is claimed, of independent ones about fixed things such as ten tasks.
 
-    A finding without an end has none here either.
+    >>> print(mean_finding([Finding("a", 0.2, 0.1, 0.3), Finding("b", 0.7, 0.5, 0.8, above=0.5)]))
+    mean: 0.2 [0.0882, 0.271]
     """
-    value, low, high = (np.array([getattr(finding, name) for finding in findings]) for name in ("value", "low", "high"))
-    with np.errstate(invalid="ignore"):
-        below, above = (float(np.sqrt(np.nansum(part**2))) / len(findings) for part in (value - low, high - value))
-    mean = float(np.mean(value))
-    first = findings[0]
-    return Finding("mean", mean, mean - below, mean + above, first.above, first.below, first.equal)
+    value, low, high, below = (np.array([getattr(finding, name) - finding.above for finding in findings])
+                               for name in ("value", "low", "high", "below"))
+    less, more = (float(np.sqrt(np.square(part).sum())) / len(findings) for part in (value - low, high - value))
+    mean = float(value.mean())
+    return Finding("mean", mean, mean - less, mean + more, below=float(below.min()))
 
 
 def counted(answers: Sequence[Answer]) -> str:

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 import pandas as pd
 
+from move.claims.rule import Finding, verdict
 from move.report.style import NAMES
 from move.statistics.cells import successes, training_noise
 from move.statistics.estimates import (
@@ -149,8 +150,8 @@ def length_matters(episodes: pd.DataFrame, known: TrainingNoise = UNKNOWN) -> pd
 def spoken_difference(row: pd.Series) -> str:
     """A row of `difference_table` in words: "+12 points [+3, +21], above 0"; the word holds after Holm's adjustment."""
     clear = row.holm < LEVEL
-    verdict = "not distinguishable from 0" if not clear else "above 0" if row.difference > 0 else "below 0"
-    return f"{_points(row.difference)} points [{_points(row.low)}, {_points(row.high)}], {verdict}"
+    word = "not distinguishable from 0" if not clear else "above 0" if row.difference > 0 else "below 0"
+    return f"{points(row.difference)} points [{points(row.low)}, {points(row.high)}], {word}"
 
 
 def spoken_rates(rates: pd.DataFrame, column: str = "value") -> str:
@@ -159,31 +160,36 @@ def spoken_rates(rates: pd.DataFrame, column: str = "value") -> str:
                      ) or "nothing is computed yet"
 
 
-def spoken_verdicts(table: pd.DataFrame, by: str = "") -> str:
-    """A `difference_table` with the paper's in column `paper`, in words: each difference, and what it says of theirs.
+def spoken_verdicts(table: pd.DataFrame, rates: pd.DataFrame, by: str = "") -> str:
+    """A `difference_table` with the paper's in column `paper`, in words: each difference and its verdict.
 
     Args:
+        rates: the rates that are compared, whose baselines leave MOVE so much room: method, value, and the column `by`.
         by: the column that names a row, where there are several for one other method.
     """
-    return "; ".join(f"{row[by] + ' ' if by else ''}MOVE minus {NAMES[row.baseline]} {spoken_difference(row)}: "
-                     f"{verdict(row.difference, row.low, row.high, row.paper)}" for _, row in table.iterrows()
-                     ) or "there is nothing to compare yet"
+    keys = [by, "method"] if by else ["method"]
+    baseline = rates.set_index(keys).value
+    return "; ".join(
+        f"{row[by] + ' ' if by else ''}MOVE minus {NAMES[row.baseline]} {spoken_difference(row)}: "
+        + difference_verdict(row, baseline[(row[by], row.baseline) if by else row.baseline])
+        for _, row in table.iterrows()) or "there is nothing to compare yet"
 
 
-def _points(difference: float) -> str:
+def difference_verdict(row: pd.Series, baseline: float, paper_half_width: float = 0.0) -> str:
+    """The verdict on the paper's difference `row.paper`, by the rule of `move.claims.rule`.
+
+    Args:
+        row: difference, low, high, paper.
+        baseline: the other method's rate.
+        paper_half_width: half of the 95 % interval of the paper's difference, 0 where nothing is known of it.
+    """
+    return verdict([Finding("", row.difference, row.low, row.high, paper=row.paper, room=1 - baseline,
+                            paper_half_width=paper_half_width)])
+
+
+def points(difference: float) -> str:
     """A difference of rates in whole points with its sign; never "-0"."""
     return f"{round(100 * difference):+d}"
-
-
-def verdict(difference: float, low: float, high: float, published: float) -> str:
-    """What a difference with its 95 % interval says about the paper's: its direction first, then its size."""
-    if low <= 0 <= high:
-        return "no difference shown, nor the paper's excluded" if low <= published <= high else "not found here"
-    if (difference > 0) != (published > 0):
-        return "opposite direction"
-    if low <= published <= high:
-        return "direction and size as in the paper"
-    return f"direction as in the paper, size {'smaller' if abs(difference) < abs(published) else 'larger'}"
 
 
 def spoken_counts(table: pd.DataFrame) -> str:
@@ -212,8 +218,8 @@ def spoken_tasks(table: pd.DataFrame) -> str:
     """A `tasks_table` in words: mean, interquartile mean, probability of improvement, and the test over tasks."""
     return " ".join(
         f"Over {row.tasks} tasks, taken as a sample of tasks, MOVE minus {NAMES[row.baseline]} is "
-        f"{_points(row.mean_difference)} points [{_points(row.low)}, {_points(row.high)}], of the interquartile "
-        f"means {_points(row.iqm_first - row.iqm_second)} [{_points(row.iqm_low)}, {_points(row.iqm_high)}]; "
+        f"{points(row.mean_difference)} points [{points(row.low)}, {points(row.high)}], of the interquartile "
+        f"means {points(row.iqm_first - row.iqm_second)} [{points(row.iqm_low)}, {points(row.iqm_high)}]; "
         f"MOVE is better on a task drawn at random with probability {row.improvement:.2f} [{row.improvement_low:.2f}, "
         f"{row.improvement_high:.2f}]; flipping the tasks' signs gives p = {row.p_value:.3f}."
         for row in table.itertuples()) or "Fewer than three tasks are stored."

@@ -21,8 +21,10 @@ _MAPS = ("seen from above: a cell is one place of the object, its colour the num
 FIGURES = {
     "claims": Words(
         "What became of the paper's claims",
-        "How many of the paper's claims have which verdict; one rule makes the verdict from stored runs.",
-        "A bar chart with one bar a verdict."),
+        "The claims that are numbers, those of a figure together: ours with its 95 % interval, coloured by the verdict "
+        "that one rule makes from stored runs, the paper's value a diamond. Of a claim of several things small strokes "
+        "are the single ones and the point is their mean, or the trend over them.",
+        "A forest plot with a line a claim: a point, its interval, and a diamond for the paper."),
     "equal_demonstrations": Words(
         "As many demonstrations instead of as many timesteps",
         f"Success on Pick-Place where both methods get as many timesteps, and where static gets as many demonstrations "
@@ -238,6 +240,8 @@ TABLES = {
     "fig_training_length": f"Length of training. {_RATES}",
     "fig_training_length_depends": "MOVE minus static at the longest training, minus the same at the shortest; in "
                                    "points, with 95 % intervals.",
+    "fig_training_length_beyond": "MOVE minus static at the longest training, minus the same at the recipe's own "
+                                  "length; in points, with 95 % intervals.",
     "fig_training_length_differences": f"At each length of training. {_DIFFERENCES}",
     "fig_coverage": f"Success, and shares of cells that the data visit in their first timesteps. {_RATES}",
     "fig_perception": f"Figures 1, 3 and 5 and table 1, from pixels and from keypoints. {_RATES}",

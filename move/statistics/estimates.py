@@ -125,9 +125,9 @@ class Spread(NamedTuple):
 def training_noise_of(cells: Iterable[np.ndarray]) -> TrainingNoise:
     """The law that the training variances of cells of two seeds or more follow.
 
-    Its mean is that of their unbiased estimates, and a little more, for a mean of few cells is off itself. A variance between seeds, over the law's scale plus what evaluation
-    adds, follows an F law; of the degrees of freedom the fewest are taken that this likelihood does not speak against,
-    for that few cells agree does not show that all do.
+    Its mean is that of their unbiased estimates, and a little more, for a mean of few cells is off itself. A variance
+    between seeds, over the law's scale plus what evaluation adds, follows an F law; of the degrees of freedom the
+    fewest are taken that this likelihood does not speak against, for that few cells agree does not show that all do.
 
     Args:
         cells: each (seeds, configurations); those of one seed, or of one outcome alone, tell nothing.
