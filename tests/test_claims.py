@@ -22,6 +22,7 @@ from move.errors import BadInput
 from move.experiments import EXPERIMENTS, registry
 from move.paper import PAPER_TASKS
 from move.sim.tasks import TASKS
+from move.statistics.estimates import TrainingNoise
 from move.study.profiles import load_profile
 
 INFINITE = float("inf")
@@ -166,6 +167,8 @@ class Made(Evidence):
                  "seed": 0, "trial": trial, "success": (trial * 37) % 100 < 30 + more * (method == "move")}
                 for task in PAPER_TASKS for method in ("static", "adc", "move") for trial in range(100)]
         self.episodes = lambda experiment: pd.DataFrame(rows)
+        self.noise = lambda experiment: TrainingNoise(0.001, 5.0, 72)
+        self.design = lambda experiment, sides: None
 
 
 def claim(number: int) -> Claim:

@@ -443,12 +443,13 @@ def test_a_table_is_told_with_what_it_says_of_the_papers_and_an_empty_one_as_suc
     assert differences.spoken_rates(rates[:0]) == "nothing is computed yet"
     table = pd.DataFrame({"where": ["inside", "outside"], "baseline": "static", "difference": [0.25, -0.02],
                           "low": [0.1, -0.1], "high": [0.4, 0.06], "holm": [0.01, 0.6], "paper": [0.6, 0.2]})
-    inside, outside = differences.spoken_verdicts(table, "where").split("; ")
-    assert inside == ("inside MOVE minus static +25 points [+10, +40], above 0: direction as in the paper, size "
-                      "smaller")
-    assert outside.startswith("outside MOVE minus static -2 points") and outside.endswith(": not found here")
-    assert differences.spoken_verdicts(table[:1]).startswith("MOVE minus static +25")
-    assert differences.spoken_verdicts(table[:0]) == "there is nothing to compare yet"
+    baselines = pd.DataFrame({"where": ["inside", "outside"], "method": "static", "value": [0.3, 0.9]})
+    inside, outside = differences.spoken_verdicts(table, baselines, "where").split("; ")
+    assert inside == "inside MOVE minus static +25 points [+10, +40], above 0: reproduced, smaller"
+    assert outside.startswith("outside MOVE minus static -2 points") and outside.endswith(": at the ceiling")
+    alone = baselines[:1].drop(columns="where")
+    assert differences.spoken_verdicts(table[:1], alone).startswith("MOVE minus static +25")
+    assert differences.spoken_verdicts(table[:0], baselines, "where") == "there is nothing to compare yet"
 
 
 def test_what_is_not_counted_of_the_data_sizes_is_absent_and_the_rest_is_there():

@@ -126,8 +126,9 @@ def test_a_shipped_difference_is_the_first_rate_minus_the_second(name):
 def test_every_table_of_differences_is_in_the_list_or_has_no_rates_beside_it():
     found = {path.stem for path in SHIPPED.glob("*.csv") if {"difference", "holm"} <= set(pd.read_csv(path, nrows=0))}
     means = {name for name in found if name.endswith("_mean")}
-    other = {"fig_training_length_depends", "fig_training_length_beyond", "fig_perception_differences_rgb", "fig_perception_differences_keypoints",
-             "generalization_differences", "table_adc_differences", "fig4_scaling_equal"}
+    other = {"fig_training_length_depends", "fig_training_length_beyond", "fig_perception_differences_rgb",
+             "fig_perception_differences_keypoints", "generalization_differences", "table_adc_differences",
+             "fig4_scaling_equal"}
     assert found - means - other == {*GAPS}
 
 

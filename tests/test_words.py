@@ -37,17 +37,18 @@ def test_a_difference_is_told_with_its_sign_and_the_word_that_holm_allows(given,
     assert differences.spoken_difference(given) == said
 
 
-@pytest.mark.parametrize(("value", "low", "high", "published", "said"), [
-    (0.2, 0.1, 0.3, 0.25, "direction and size as in the paper"),
-    (-0.2, -0.3, -0.1, -0.25, "direction and size as in the paper"),
-    (-0.2, -0.3, -0.1, -0.5, "direction as in the paper, size smaller"),
-    (0.2, 0.1, 0.3, 0.05, "direction as in the paper, size larger"),
-    (0.2, 0.1, 0.3, -0.25, "opposite direction"),
-    (0.02, -0.1, 0.1, 0.25, "not found here"),
-    (0.02, -0.1, 0.3, 0.25, "no difference shown, nor the paper's excluded"),
+@pytest.mark.parametrize(("value", "low", "high", "published", "baseline", "half", "said"), [
+    (0.2, 0.1, 0.3, 0.25, 0.4, 0.0, "reproduced"),
+    (0.2, 0.1, 0.3, 0.45, 0.4, 0.0, "reproduced, smaller"),
+    (0.2, 0.1, 0.3, 0.35, 0.4, 0.15, "reproduced"),  # the paper's noise
+    (0.2, 0.1, 0.3, 0.05, 0.4, 0.0, "reproduced, larger"),
+    (-0.2, -0.3, -0.1, 0.25, 0.4, 0.0, "refuted here"),
+    (0.02, -0.1, 0.1, 0.25, 0.4, 0.0, "undecided"),
+    (0.02, -0.04, 0.08, 0.25, 0.9, 0.0, "at the ceiling"),
 ])
-def test_a_verdict_asks_for_the_direction_before_the_size(value, low, high, published, said):
-    assert differences.verdict(value, low, high, published) == said
+def test_a_differences_verdict_is_the_ledgers(value, low, high, published, baseline, half, said):
+    given = pd.Series({"difference": value, "low": low, "high": high, "paper": published})
+    assert differences.difference_verdict(given, baseline, half) == said
 
 
 def test_over_tasks_the_first_is_move_and_the_second_the_other_method():

@@ -32,14 +32,14 @@ def rows() -> list[str]:
 
 def table() -> str:
     """The whole table in Markdown."""
-    head = "| | success here | difference, 95 % | seeds | the paper | verdict |\n|---|---|---|---|---|---|\n"
+    head = "| | success here | difference, 95 % | seeds | the paper | verdict on the difference |\n|---|---|---|---|---|---|\n"
     return head + "\n".join(rows()) + "\n"
 
 
 def sentences() -> str:
     """Data efficiency (figure 4) and the ledger of claims, a line each."""
     counts = _read("claims").verdict.value_counts()
-    told = ", ".join(f"{counts[name]} {name}" for name in VERDICTS if name in counts)
+    told = "; ".join(f"{counts[name]} {name}" for name in VERDICTS if name in counts)
     return (f"**Figure 4.** {spoken_efficiency(_read('fig4_scaling_efficiency'))}\n\n"
             f"**The paper's {counts.sum()} claims.** {told}.\n")
 

@@ -17,7 +17,7 @@ from move.claims.quantities import findings
 from move.claims.rule import NAN, UNDECIDED, VERDICTS, Finding, Item, Join, counted, mean_finding, verdict
 
 COLUMNS = ["number", "claim", "place", "verdict", "evidence", "needed", "figure", "runs", "hashes"]
-MANY = 3  # from so many findings on their answers are counted
+MANY = 3  # from so many findings on their answers are counted, and their mean is drawn
 
 
 class Number(Strict):
@@ -93,8 +93,8 @@ def numbers(decided: Sequence[Entry]) -> pd.DataFrame:
         factor = one.figure == "fig4_scaling" and all(each.above == 1 for each in found)
         named = {"number": one.number, "claim": one.claim, "figure": one.figure, "verdict": one.verdict,
                  "factor": factor}
-        rows += [{**named, **_point(each), "whole": len(found) == 1 or each.trend} for each in found]
-        if one.join == "every" and len(several) > 1 and not factor:
+        rows += [{**named, **_point(each), "whole": len(found) < MANY or each.trend} for each in found]
+        if one.join == "every" and len(several) >= MANY and not factor:
             rows.append({**named, **_mean(several), "whole": True})
     return pd.DataFrame(rows, columns=["number", "claim", "figure", "verdict", "factor", "value", "low", "high",
                                        "paper", "whole"])

@@ -23,6 +23,7 @@ from move.report.plots.curves import (
 )
 from move.report.plots.points import (
     READINGS,
+    VERDICT_COLOURS,
     changes,
     covered,
     differences,
@@ -37,8 +38,8 @@ from move.report.plots.points import (
 )
 
 __all__ = [
-    "READINGS", "changes", "cost_entries", "costs", "coverages", "covered", "curve", "differences", "efficiencies",
-    "entries", "forest", "forest_entries", "gains", "grouped_rates", "half_widths", "ladder", "level", "log_ticks",
-    "own_and_elsewhere", "own_and_elsewhere_entries", "printed_points", "rates", "readings", "reference",
+    "READINGS", "VERDICT_COLOURS", "changes", "cost_entries", "costs", "coverages", "covered", "curve", "differences",
+    "efficiencies", "entries", "forest", "forest_entries", "gains", "grouped_rates", "half_widths", "ladder", "level",
+    "log_ticks", "own_and_elsewhere", "own_and_elsewhere_entries", "printed_points", "rates", "readings", "reference",
     "reference_entry", "share_interval", "short", "task_rates",
 ]
