@@ -32,7 +32,8 @@ def rows() -> list[str]:
 
 def table() -> str:
     """The whole table in Markdown."""
-    head = "| | success here | difference, 95 % | seeds | the paper | verdict on the difference |\n|---|---|---|---|---|---|\n"
+    head = ("| | success here | difference, 95 % | seeds | the paper | verdict on the difference |\n"
+            "|---|---|---|---|---|---|\n")
     return head + "\n".join(rows()) + "\n"
 
 
