@@ -58,6 +58,15 @@ def test_the_share_counts_cells_once():
     assert coverage.visited_share(rows, TASK, "camera") == 3 / 20
 
 
+@pytest.mark.parametrize("task", PAPER_TASKS)
+def test_a_share_lies_between_0_and_1_and_a_task_without_target_has_none(task):
+    rows = coverage.configurations(Collection(task=task, method="static", timesteps=250), 0)
+    for part in coverage.PARTS:
+        share = coverage.visited_share(rows, get_task(task), part)
+        absent = part == "target" and task in ("window-open", "faucet-open", "disassemble")
+        assert np.isnan(share) if absent else 0 < share <= 1
+
+
 def test_joint_cells_hold_a_position_from_an_angle():
     low, high = TASK.object_range.low, TASK.object_range.high
     rows = pd.DataFrame({"phase": ["pick"] * 3 + ["place"], "object_x": [low[0], low[0], high[0], high[0]],

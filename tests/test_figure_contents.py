@@ -7,6 +7,7 @@ import matplotlib
 
 matplotlib.use("Agg")
 
+import claimed  # noqa: E402
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 import pandas as pd  # noqa: E402
@@ -16,7 +17,7 @@ from matplotlib.colors import to_hex  # noqa: E402
 
 from move.claims.rule import VERDICTS  # noqa: E402
 from move.paper import PAPER_METHODS, PAPER_TASKS, published  # noqa: E402
-from move.report import figures, style, tables  # noqa: E402
+from move.report import figures, plots, style, tables  # noqa: E402
 from move.sim.grasp_points import CIRCLE  # noqa: E402
 from move.sim.tasks import TASKS, get_task  # noqa: E402
 
@@ -327,9 +328,15 @@ def test_policies_that_are_not_shown_are_named_and_strips_keep_their_titles():
     assert figure.get_supxlabel() == "not shown, for the policy is not shipped: ADC"
 
 
-def test_every_verdict_has_as_long_a_bar_as_it_has_claims_and_none_is_left_out():
-    ledger = pd.DataFrame({"verdict": [VERDICTS[0]] * 3 + [VERDICTS[2]]})
-    (ax,) = figures.claims(ledger).axes
-    counts = [round(bar.get_width()) for bar in ax.patches]
-    assert counts == [3, 0, 1] + [0] * (len(VERDICTS) - 3)
-    assert [label.get_text() for label in ax.get_yticklabels()] == list(VERDICTS)
+def test_claims_stand_with_their_numbers_and_factors_in_a_panel_of_their_own():
+    shares, factors = figures.claims(claimed.numbers()).axes
+    colours = plots.VERDICT_COLOURS
+    drawn = {(round(float(each[0].get_xdata()[0]), 6), each[0].get_color()) for each in shares.containers}
+    assert drawn == {(0.1, colours["reproduced, smaller"]), (0.2, colours["direction only"]),
+                     (-0.2, colours["undecided"])}
+    single = {float(line.get_xdata()[0]) for line in shares.get_lines() if line.get_alpha() == 0.6}
+    assert single == {0.4, 0.0}
+    diamonds = [float(line.get_xdata()[0]) for line in shares.get_lines() if line.get_marker() == "D"]
+    assert 0.3 in diamonds and [label.get_text().split()[-1] for label in shares.get_yticklabels()] == ["1", "2", "9"]
+    assert [float(each[0].get_xdata()[0]) for each in factors.containers] == [2.0]
+    assert set(VERDICTS) >= set(colours)

@@ -8,6 +8,7 @@ import matplotlib
 
 matplotlib.use("Agg")
 
+import claimed  # noqa: E402
 import matplotlib.pyplot as plt  # noqa: E402
 import nbformat  # noqa: E402
 import numpy as np  # noqa: E402
@@ -20,7 +21,6 @@ from matplotlib.lines import Line2D  # noqa: E402
 from matplotlib.text import Text  # noqa: E402
 
 from move import paths  # noqa: E402
-from move.claims.rule import VERDICTS  # noqa: E402
 from move.errors import BadInput  # noqa: E402
 from move.paper import PAPER_METHODS, PAPER_TASKS, published  # noqa: E402
 from move.realworld import tracking, workspace  # noqa: E402
@@ -185,7 +185,7 @@ FIGURES = {
     "table_keypoint_control": lambda: figures.table_keypoint_control(
         rates(PAPER_METHODS, task=PAPER_TASKS).drop(columns="paper"), controls()),
     "table_recipe": lambda: figures.table_recipe(pd.concat([recipe(7000), recipe(20_000)])),
-    "claims": lambda: figures.claims(pd.DataFrame({"verdict": VERDICTS})),
+    "claims": lambda: figures.claims(claimed.numbers()),
     "fig8_real_setup": setup,
     "fig8_object_places": orange,
 }
@@ -322,7 +322,7 @@ def test_the_files_of_a_figure_hold_its_title_and_its_alternative_text(tmp_path)
     from PIL import Image
 
     caption = captions.caption("claims", "", "Six hold.")
-    style.save(figures.claims(pd.DataFrame({"verdict": VERDICTS})), "claims", tmp_path, caption)
+    style.save(figures.claims(claimed.numbers()), "claims", tmp_path, caption)
     with Image.open(tmp_path / "claims.png") as picture:
         assert picture.info["Title"] == caption.title and picture.info["Description"] == caption.alt
     assert b"/Title" in (tmp_path / "claims.pdf").read_bytes()

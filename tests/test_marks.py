@@ -346,14 +346,6 @@ def test_an_interval_of_shares_is_worth_its_spread_or_its_number_where_there_is_
     assert sum(spread) / 2 == pytest.approx(0.5)
 
 
-def test_verdicts_are_counted_from_the_top(ax):
-    plots.verdicts(pd.DataFrame({"verdict": ["b", "b", "a"]}), ["a", "b", "c"], ax)
-    assert [bar.get_width() for bar in ax.patches] == [1, 2, 0] and names(ax.yaxis) == ["a", "b", "c"]
-    assert [(text.get_text(), text.xy) for text in ax.texts] == [("1", (1, 0)), ("2", (2, 1)), ("0", (0, 2))]
-    assert ax.yaxis_inverted() and ax.get_xlabel() == "claims of the paper"
-    assert all(tick == int(tick) for tick in ax.get_xticks()), "there is no half claim"
-
-
 def test_success_against_coverage_stands_at_both_with_parts_of_move_as_triangles(ax):
     table = rows(4, ["static", "adc", "move", "move"]).assign(
         task=["push", "push", "push", "hammer"], moves=["nothing", "jumps", "all", "camera"],

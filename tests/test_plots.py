@@ -82,8 +82,9 @@ def test_every_plot_of_methods_stands_in_this_file():
     public = {name for name, plot in vars(plots).items()
               if getattr(plot, "__module__", "").startswith(plots.__name__) and not name.startswith("_")}
     assert public == {*DRAWN} | {"differences", "changes", "gains", "readings", "level", "coverages", "half_widths",
-                                 "efficiencies", "verdicts", "entries", "cost_entries", "own_and_elsewhere_entries",
-                                 "share_interval", "log_ticks", "short", "reference", "reference_entry"}
+                                 "efficiencies", "forest", "forest_entries", "entries", "cost_entries",
+                                 "own_and_elsewhere_entries", "share_interval", "log_ticks", "short", "reference",
+                                 "reference_entry"}
 
 
 @pytest.mark.parametrize("method", METHODS)

@@ -3,6 +3,7 @@
 import importlib.util
 import re
 
+import pandas as pd
 import pytest
 
 from move import paths
@@ -17,17 +18,12 @@ def test_readme_shows_what_the_script_writes():
     assert text == results_table.with_results(text)
 
 
-@pytest.mark.parametrize("value, low, high, published, words", [
-    (0.10, 0.06, 0.14, 0.17, "direction as in the paper, size smaller"),
-    (0.58, 0.46, 0.70, 0.22, "direction as in the paper, size larger"),
-    (0.22, 0.07, 0.39, 0.23, "direction and size as in the paper"),
-    (-0.43, -0.49, -0.36, -0.30, "direction as in the paper, size larger"),
-    (-0.10, -0.20, -0.01, 0.20, "opposite direction"),
-    (-0.01, -0.05, 0.03, 0.08, "not found here"),
-    (0.05, -0.05, 0.15, 0.08, "no difference shown, nor the paper's excluded"),
-])
-def test_the_verdict_is_a_rule(value, low, high, published, words):
-    assert results_table.verdict(value, low, high, published) == words
+def test_a_fall_that_the_paper_has_too_is_judged_as_a_rise_is():
+    fall, rise = (pd.Series({"difference": sign * 0.43, "low": sign * 0.43 - 0.08, "high": sign * 0.43 + 0.08})
+                  for sign in (-1, 1))
+    row = results_table._line("Table 1", (1.0, 0.57), fall, 3, (0.675, 0.317), "static", 0.17)
+    assert row.endswith("| -43 [-51, -35] points | 3 | 0.675, 0.317 (-36) | reproduced |")
+    assert results_table._line("", (1.0, 0.57), rise, 3, (0.675, 0.317), "").endswith("| refuted here |")
 
 
 README = results_table.README.read_text()

@@ -42,7 +42,7 @@ def test_the_rate_table_counts_each_seed():
     assert table.method.tolist() == ["static", "move"]
     for row in table.itertuples():
         assert row.seeds == pytest.approx(raw[row.method].tolist(), abs=1e-4)
-        assert row.low <= row.value <= row.high and row.episodes == 48 and row.trainings == "own"
+        assert row.low <= row.value <= row.high and row.episodes == 48 and row.trainings == "moderated"
 
 
 def test_one_seed_is_judged_by_the_noise_of_cells_with_several_and_an_agent_without_training_by_none():
@@ -50,7 +50,7 @@ def test_one_seed_is_judged_by_the_noise_of_cells_with_several_and_an_agent_with
     several["success"] ^= (several.seed == 0) & (several.trial % 2 == 0)  # a training that is unlike the others
     table = tables.rate_table(pd.concat([several, one]), ["method"]).set_index("method")
     alone = tables.rate_table(one, ["method"]).set_index("method")
-    assert table.trainings.to_dict() == {"static": "own", "move": "pooled", "expert": "none"}
+    assert table.trainings.to_dict() == {"static": "moderated", "move": "like cells", "expert": "none"}
     assert alone.trainings.to_dict() == {"move": "unknown", "expert": "none"}
     assert table.low["move"] < alone.low["move"] and table.low["expert"] == alone.low["expert"]
 
@@ -59,7 +59,7 @@ def test_what_is_known_of_the_noise_comes_before_a_tables_own_few_cells():
     cells = episodes({"static": 0.2, "move": 0.8}, seeds=2, trials=64)
     known = statistics.TrainingNoise(0.02, 25)
     assert training_noise(cells, ["method"], known) == known
-    assert training_noise(cells, ["method"]).degrees == 2
+    assert training_noise(cells, ["method"]).repeats == 2
     own, pooled = (tables.rate_table(cells, ["method"], noise) for noise in (statistics.UNKNOWN, known))
     assert ((pooled.high - pooled.low) > (own.high - own.low)).all()
 
@@ -443,12 +443,13 @@ def test_a_table_is_told_with_what_it_says_of_the_papers_and_an_empty_one_as_suc
     assert differences.spoken_rates(rates[:0]) == "nothing is computed yet"
     table = pd.DataFrame({"where": ["inside", "outside"], "baseline": "static", "difference": [0.25, -0.02],
                           "low": [0.1, -0.1], "high": [0.4, 0.06], "holm": [0.01, 0.6], "paper": [0.6, 0.2]})
-    inside, outside = differences.spoken_verdicts(table, "where").split("; ")
-    assert inside == ("inside MOVE minus static +25 points [+10, +40], above 0: direction as in the paper, size "
-                      "smaller")
-    assert outside.startswith("outside MOVE minus static -2 points") and outside.endswith(": not found here")
-    assert differences.spoken_verdicts(table[:1]).startswith("MOVE minus static +25")
-    assert differences.spoken_verdicts(table[:0]) == "there is nothing to compare yet"
+    baselines = pd.DataFrame({"where": ["inside", "outside"], "method": "static", "value": [0.3, 0.9]})
+    inside, outside = differences.spoken_verdicts(table, baselines, "where").split("; ")
+    assert inside == "inside MOVE minus static +25 points [+10, +40], above 0: reproduced, smaller"
+    assert outside.startswith("outside MOVE minus static -2 points") and outside.endswith(": at the ceiling")
+    alone = baselines[:1].drop(columns="where")
+    assert differences.spoken_verdicts(table[:1], alone).startswith("MOVE minus static +25")
+    assert differences.spoken_verdicts(table[:0], baselines, "where") == "there is nothing to compare yet"
 
 
 def test_what_is_not_counted_of_the_data_sizes_is_absent_and_the_rest_is_there():

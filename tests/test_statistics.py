@@ -1,75 +1,148 @@
-"""Intervals cover as often as they say, count configurations once, and know that another training differs."""
+"""Intervals cover as often as they say, count configurations once, and include that another training differs."""
 
 import numpy as np
 import pytest
 
 from move.statistics import estimates as statistics
+from move.statistics.data_efficiency import data_efficiency
 from move.statistics.estimates import (
+    Spread,
+    TrainingNoise,
     difference,
     holm,
     mean_difference,
-    pooled_noise,
+    paired_contrast,
+    rate_interval,
     relative_gain,
     success_rate,
+    training_noise_of,
     unpaired_difference,
 )
 from move.statistics.over_tasks import over_tasks
 from move.statistics.simulation import coverage, like_noise, outcomes
 
-DRAWS = 2000
+UNEQUAL = np.array([0.02, 0.04, 0.06, 0.08, 0.10])  # by how much trainings differ, one cell so and the next so
+LAWS, STUDIES, TASKS = 100, 20, 10  # what like cells tell is drawn anew so often, for so many studies each
 
 
-CASES = [(seeds, deviation, rate) for seeds in (1, 3, 5) for deviation, rate in ((0.03, 0.9), (0.08, 0.5), (0.2, 0.4))]
+def unequal(seeds: int, rates: tuple[float, ...], tasks: int = 1, paired: bool = True):
+    """For each law: the law, and for each rate successes (studies * tasks, seeds, configurations)."""
+    rng = np.random.default_rng([seeds, len(rates), tasks])
+    for _ in range(LAWS):
+        hard = rng.standard_normal((len(rates), STUDIES * tasks, 100))
+        yield like_noise(rng, rates[0], UNEQUAL, 100), [
+            outcomes(rng, rate, rng.choice(UNEQUAL, STUDIES * tasks), seeds, hard[0 if paired else place]).astype(float)
+            for place, rate in enumerate(rates)]
 
 
-@pytest.mark.parametrize(("seeds", "deviation", "rate"), CASES)
-def test_a_rates_interval_covers_as_often_as_it_says(seeds, deviation, rate):
-    rng, covered = np.random.default_rng([seeds, int(100 * deviation)]), 0
-    for draw in range(DRAWS):
-        cell = outcomes(rng, rate, deviation, seeds, rng.standard_normal(100))
-        if draw % 10 == 0:
-            pooled = like_noise(rng, rate, deviation, 100)
-        found = success_rate(cell, pooled)
-        covered += found.low <= rate <= found.high
-    assert 0.93 <= covered / DRAWS <= 0.97
+def covered(inside: list) -> float:
+    return float(np.concatenate(inside).mean())
 
 
-@pytest.mark.parametrize(("seeds", "deviation", "rate"), CASES)
-def test_a_differences_interval_covers_as_often_as_it_says(seeds, deviation, rate):
-    rng, covered, other = np.random.default_rng([seeds, int(100 * deviation), 1]), 0, rate - 0.1
-    for draw in range(DRAWS):
+@pytest.mark.parametrize("seeds", [1, 2, 3, 5])
+@pytest.mark.parametrize("rate", [0.5, 0.8])
+def test_a_rates_interval_covers_as_often_as_it_says_where_cells_are_unequal(seeds, rate):
+    inside = []
+    for noise, (cells,) in unequal(seeds, (rate,)):
+        low, high = rate_interval(cells, noise)
+        inside.append((low <= rate) & (rate <= high))
+    assert 0.93 <= covered(inside) <= 0.97
+
+
+@pytest.mark.parametrize("seeds", [1, 2, 3, 5])
+def test_a_differences_interval_covers_as_often_as_it_says_where_cells_are_unequal(seeds):
+    inside = []
+    for noise, (first, second) in unequal(seeds, (0.5, 0.4)):
+        value, spread = paired_contrast((first, second), (1, -1), noise)
+        inside.append(np.abs(value - 0.1) <= spread.half_width)
+    assert 0.93 <= covered(inside) <= 0.97
+
+
+@pytest.mark.parametrize("seeds", [1, 2, 3, 5])
+def test_the_interval_of_a_mean_over_tasks_covers_as_often_as_it_says_where_cells_are_unequal(seeds):
+    inside = []
+    for noise, (first, second) in unequal(seeds, (0.5, 0.4), TASKS):
+        value, spread = paired_contrast((first, second), (1, -1), noise)
+        mean = value.reshape(-1, TASKS).mean(axis=1)
+        whole = Spread(*(part.reshape(-1, TASKS).sum(axis=1) for part in spread)).times(1 / TASKS)
+        inside.append(np.abs(mean - 0.1) <= whole.half_width)
+    assert 0.93 <= covered(inside) <= 0.97
+
+
+@pytest.mark.parametrize("seeds", [1, 3])
+def test_an_unpaired_differences_and_a_gains_intervals_cover_as_often_as_they_say(seeds):
+    apart, gained = [], []
+    for noise, (first, second) in unequal(seeds, (0.5, 0.4), TASKS, paired=False):
+        for one, other in zip(first[:10], second[:10], strict=True):
+            found = unpaired_difference(one, other, noise)
+            apart.append([found.low <= 0.1 <= found.high])
+        for pairs in zip(first.reshape(STUDIES, TASKS, seeds, 100)[:4],
+                         second.reshape(STUDIES, TASKS, seeds, 100)[:4], strict=True):
+            gain = relative_gain(list(zip(*pairs, strict=True)), noise)
+            gained.append([gain.low <= 0.25 <= gain.high])
+    assert 0.93 <= covered(apart) <= 0.97 and 0.92 <= covered(gained) <= 0.98  # 1,000 and 400 studies
+
+
+@pytest.mark.parametrize("true", [1.0, 2.0])
+def test_a_factors_interval_covers_as_often_as_it_says_where_cells_are_unequal(true):
+    """Figure 4's design: three seeds at table 2's budget, one at the others."""
+    rng, inside, budgets = np.random.default_rng(int(10 * true)), [], (5000, 10_000, 20_000, 40_000)
+    for study in range(300):
+        if study % 10 == 0:
+            noise = like_noise(rng, 0.5, UNEQUAL, 100)
         hard = rng.standard_normal(100)
-        cells = [outcomes(rng, value, deviation, seeds, hard) for value in (rate, other)]
-        if draw % 10 == 0:
-            pooled = like_noise(rng, rate, deviation, 100)
-        found = difference(*cells, pooled)
-        covered += found.low <= rate - other <= found.high
-    assert 0.93 <= covered / DRAWS <= 0.97
+        static, move = ({size: outcomes(rng, round(0.4 + 0.1 * np.log2(more * size / 20_000), 3), rng.choice(UNEQUAL),
+                                        3 if size == 20_000 else 1, hard).astype(float) for size in budgets}
+                        for more in (1.0, true))
+        found = data_efficiency(static, move, 20_000, noise, draws=400)
+        inside.append([found.low <= true <= found.high])
+    assert 0.92 <= covered(inside) <= 0.98
 
 
-@pytest.mark.parametrize(("seeds", "deviation", "rate"), CASES)
-def test_an_unpaired_differences_interval_covers_as_often_as_it_says(seeds, deviation, rate):
-    rng, covered, other = np.random.default_rng([seeds, int(100 * deviation), 2]), 0, rate - 0.1
-    for draw in range(DRAWS):
-        cells = [outcomes(rng, value, deviation, seeds, rng.standard_normal(100)) for value in (rate, other)]
-        if draw % 10 == 0:
-            pooled = like_noise(rng, rate, deviation, 100)
-        found = unpaired_difference(*cells, pooled)
-        covered += found.low <= rate - other <= found.high
-    assert 0.93 <= covered / DRAWS <= 0.98
+def test_one_seed_that_is_noisier_than_like_cells_is_still_covered_more_often_than_by_a_plain_pool():
+    rng, ours, pool = np.random.default_rng(0), [], []
+    for noise, _ in unequal(1, (0.5,)):
+        hard = rng.standard_normal((STUDIES, 100))
+        first, second = (outcomes(rng, rate, np.full(STUDIES, 0.10), 1, hard).astype(float) for rate in (0.5, 0.4))
+        for law, inside in ((noise, ours), (TrainingNoise(0.034**2, 1000.0), pool)):
+            value, spread = paired_contrast((first, second), (1, -1), law)
+            inside.append(np.abs(value - 0.1) <= spread.half_width)
+    assert covered(pool) < 0.75 and covered(ours) > 0.82
 
 
-@pytest.mark.parametrize("seeds", [2, 3])
-def test_a_relative_gains_interval_covers_at_least_as_often_as_it_says(seeds):
-    rng, covered, noise = np.random.default_rng(seeds), 0, like_noise(np.random.default_rng(0), 0.4, 0.05, 100)
-    for _ in range(500):
-        pairs = []
-        for _ in range(10):
-            hard = rng.standard_normal(100)
-            pairs.append(tuple(outcomes(rng, value, 0.05, seeds, hard) for value in (0.52, 0.4)))
-        found = relative_gain(pairs, noise)
-        covered += found.low <= 0.3 <= found.high
-    assert 0.94 <= covered / 500 <= 1
+def test_three_seeds_that_differ_or_agree_by_chance_borrow_from_like_cells():
+    rng, law = np.random.default_rng(1), TrainingNoise(0.0006, 5.0, 60)
+    cells = outcomes(rng, 0.5, np.full(400, 0.03), 3, rng.standard_normal((400, 100))).astype(float)
+    alone, moderated = (np.ptp(rate_interval(cells, noise), axis=0) for noise in (statistics.UNKNOWN, law))
+    least, most = (np.quantile([moderated, alone], level, axis=1) for level in (0.05, 0.95))
+    assert most[0] < 0.6 * most[1] and most[0] / least[0] < 1.5 < most[1] / least[1]
+
+
+def test_a_spread_is_the_students_t_it_was_made_of_and_sums_of_many_are_normal():
+    scale, degrees = Spread.of(np.array(4.0), 7).student
+    assert (scale, degrees) == (pytest.approx(2), pytest.approx(7))
+    many = Spread.total([Spread.of(np.array(4.0), 7)] * 200)
+    assert many.half_width == pytest.approx(1.96 * np.sqrt(200 * 4 * 7 / 5), rel=0.01)
+    alone, few = Spread.of(np.array(1.0), 2).half_width, Spread.of(np.array(1.0), 5).half_width
+    assert (alone, few) == (pytest.approx(4.303, abs=1e-3), pytest.approx(2.571, abs=1e-3))
+
+
+def test_the_law_of_unequal_cells_has_fewer_degrees_of_freedom_than_that_of_many_equal_ones():
+    rng = np.random.default_rng(5)
+    equal = training_noise_of(outcomes(rng, 0.5, np.full(300, 0.08), 3, rng.standard_normal((300, 100))))
+    two = np.repeat([0.02, 0.16], 150)
+    unlike = training_noise_of(outcomes(rng, 0.5, two, 3, rng.standard_normal((300, 100))))
+    assert equal.repeats == unlike.repeats == 600 and unlike.degrees < equal.degrees
+    for law, mean in ((equal, 0.08**2), (unlike, np.mean(two**2))):
+        assert law.variance * law.degrees / (law.degrees - 2) == pytest.approx(mean, rel=0.2)
+
+
+def test_equal_counts_differ_by_zero_and_by_no_minus_zero():
+    rng = np.random.default_rng(2)
+    first = rng.permuted(np.repeat([[1.0] * 37 + [0.0] * 63], 3, axis=0), axis=1)
+    second = rng.permuted(first[:1], axis=1)
+    for found in (difference(first, second), difference(second, first), mean_difference([(first, second)] * 3)):
+        assert str(found.value) == "0.0" and found.p_value == 1
 
 
 def test_a_relative_gain_is_of_the_mean_rates_and_knows_that_both_are_uncertain():
@@ -90,9 +163,9 @@ def test_simulated_outcomes_have_the_rate_and_the_spread_asked_for():
 
 
 def test_an_interval_that_knows_episodes_alone_covers_too_seldom():
-    table = coverage([1, 3], [0.2], 0.4, 200).set_index(["interval", "seeds"])
-    assert table.covered["ours"].min() > 0.9 and table.covered["episodes alone"].max() < 0.7
-    assert (table.half_width["ours"] > 2 * table.half_width["episodes alone"]).all()
+    table = coverage([1, 3], [0.12], 0.4, 400).set_index(["interval", "seeds"])
+    assert table.covered["ours"].min() > 0.87 and table.covered["episodes alone"].max() < 0.8
+    assert (table.half_width["ours"] > 1.6 * table.half_width["episodes alone"]).all()
 
 
 @pytest.mark.parametrize("seeds", [1, 3])
@@ -105,18 +178,20 @@ def test_a_configuration_tried_by_several_seeds_counts_once(seeds):
 
 def test_one_training_is_not_certain_once_others_are_known_to_differ():
     cell = np.arange(100)[None] < 70
-    noisy = pooled_noise([np.repeat([[1] * 50 + [0] * 50, [1] * 90 + [0] * 10], 2, axis=0)])
+    noisy = training_noise_of([np.repeat([[1] * 50 + [0] * 50, [1] * 90 + [0] * 10], 2, axis=0)])
     alone, among = success_rate(cell), success_rate(cell, noisy)
-    assert (alone.trainings, among.trainings) == ("unknown", "pooled")
+    assert (alone.trainings, among.trainings) == ("unknown", "like cells")
     assert among.high - among.low > 2 * (alone.high - alone.low)
+    several = np.repeat(cell, 3, axis=0)
+    assert [success_rate(several, law).trainings for law in (statistics.UNKNOWN, noisy)] == ["own", "moderated"]
 
 
-def test_pooled_noise_is_the_variance_that_trainings_have():
+def test_cells_of_one_seed_tell_nothing_and_those_at_the_ceiling_little():
     rng = np.random.default_rng(5)
-    cells = [outcomes(rng, 0.5, 0.1, 3, rng.standard_normal(100)) for _ in range(400)]
-    noise = pooled_noise([*cells, cells[0][:1]])
-    assert noise.degrees == 800 and noise.deviation == pytest.approx(0.1, abs=0.01)
-    assert pooled_noise([cells[0][:1]]) == statistics.UNKNOWN
+    cells = list(outcomes(rng, 0.5, np.full(30, 0.1), 3, rng.standard_normal((30, 100))))
+    law = training_noise_of(cells)
+    assert training_noise_of([*cells, cells[0][:1], np.ones((3, 100))]) == law and law.repeats == 60
+    assert training_noise_of([cells[0][:1]]) == statistics.UNKNOWN
 
 
 def test_pairing_makes_the_interval_narrow_where_configurations_decide_and_not_where_they_do_not():
@@ -147,7 +222,7 @@ def test_no_interval_has_zero_width_nor_leaves_what_is_possible(seeds, outcome):
 
 
 def test_a_difference_needs_the_same_configurations():
-    with pytest.raises(ValueError, match="20 and 21 configurations"):
+    with pytest.raises(ValueError, match="20 and 21 configurations given"):
         difference(np.ones((1, 20)), np.ones((1, 21)))
     with pytest.raises(ValueError, match="no episode"):
         success_rate(np.ones((1, 0)))

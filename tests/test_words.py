@@ -37,17 +37,18 @@ def test_a_difference_is_told_with_its_sign_and_the_word_that_holm_allows(given,
     assert differences.spoken_difference(given) == said
 
 
-@pytest.mark.parametrize(("value", "low", "high", "published", "said"), [
-    (0.2, 0.1, 0.3, 0.25, "direction and size as in the paper"),
-    (-0.2, -0.3, -0.1, -0.25, "direction and size as in the paper"),
-    (-0.2, -0.3, -0.1, -0.5, "direction as in the paper, size smaller"),
-    (0.2, 0.1, 0.3, 0.05, "direction as in the paper, size larger"),
-    (0.2, 0.1, 0.3, -0.25, "opposite direction"),
-    (0.02, -0.1, 0.1, 0.25, "not found here"),
-    (0.02, -0.1, 0.3, 0.25, "no difference shown, nor the paper's excluded"),
+@pytest.mark.parametrize(("value", "low", "high", "published", "baseline", "half", "said"), [
+    (0.2, 0.1, 0.3, 0.25, 0.4, 0.0, "reproduced"),
+    (0.2, 0.1, 0.3, 0.45, 0.4, 0.0, "reproduced, smaller"),
+    (0.2, 0.1, 0.3, 0.35, 0.4, 0.15, "reproduced"),  # the paper's noise
+    (0.2, 0.1, 0.3, 0.05, 0.4, 0.0, "reproduced, larger"),
+    (-0.2, -0.3, -0.1, 0.25, 0.4, 0.0, "refuted here"),
+    (0.02, -0.1, 0.1, 0.25, 0.4, 0.0, "undecided"),
+    (0.02, -0.04, 0.08, 0.25, 0.9, 0.0, "at the ceiling"),
 ])
-def test_a_verdict_asks_for_the_direction_before_the_size(value, low, high, published, said):
-    assert differences.verdict(value, low, high, published) == said
+def test_a_differences_verdict_is_the_ledgers(value, low, high, published, baseline, half, said):
+    given = pd.Series({"difference": value, "low": low, "high": high, "paper": published})
+    assert differences.difference_verdict(given, baseline, half) == said
 
 
 def test_over_tasks_the_first_is_move_and_the_second_the_other_method():
@@ -226,16 +227,17 @@ def test_pairs_of_real_cells_have_the_methods_names_and_sizes():
     assert tables.printed_pairs(table)[["first", "second"]].values.tolist() == [["static 35k", "MOVE 75k"]]
 
 
-def test_the_noise_of_a_figure_is_that_of_table_2_from_the_same_observation(monkeypatch):
+@pytest.mark.parametrize("observation", ["rgb", "keypoints"])
+@pytest.mark.parametrize("grid", [False, True])
+def test_the_noise_of_a_figure_is_that_of_all_cells_that_are_tried_alike(observation, grid, monkeypatch):
     asked = []
+    monkeypatch.setattr(noise, "split", lambda specs, folder: (asked.extend(specs) or [], []))
+    assert noise.known_noise(LAPTOP, observation, grid) is UNKNOWN
+    assert {(spec.observation, spec.evaluation.starts == "grid") for spec in asked} == {(observation, grid)}
+    assert len({spec.task for spec in asked}) == (1 if grid else 10) and all(spec.training for spec in asked)
 
-    def split(specs, folder):
-        asked.append({(spec.observation, spec.task, spec.evaluation.factors) for spec in specs})
-        return [], []
 
-    monkeypatch.setattr(noise, "split", split)
-    assert noise.known_noise(LAPTOP, "rgb") is UNKNOWN and noise.known_noise(LAPTOP, "keypoints") is UNKNOWN
-    for observation, cells_asked in zip(("rgb", "keypoints"), asked, strict=True):
-        assert {seen for seen, _, _ in cells_asked} == {observation} and len({task for _, task, _ in cells_asked}) == 10
-        assert {factors for _, _, factors in cells_asked} == {"all"}
-    assert noise.known_noise(load_profile("laptop-keypoints"), "rgb") is UNKNOWN and len(asked) == 2
+def test_nothing_is_known_of_the_noise_without_a_recipe_or_from_one_seed(tmp_path, monkeypatch):
+    assert noise.known_noise(load_profile("laptop-keypoints"), "rgb") is UNKNOWN
+    monkeypatch.setattr(noise, "results", lambda profile: tmp_path)
+    assert noise.known_noise(LAPTOP, "rgb") is UNKNOWN

@@ -237,7 +237,7 @@ def start_page(listed: list[Path], documents: list[str], rooms: list[str]) -> st
     figures = [f"figures/{path.stem}" for path in listed if path.parent != TUTORIAL]
     chapters = [f"tutorial/{path.stem}" for path in listed if path.parent == TUTORIAL]
     ledger = pd.read_csv(SHIPPED / "claims.csv")
-    counted = ", ".join(f"{count} {verdict}" for verdict, count in ledger.verdict.value_counts().items())
+    counted = "; ".join(f"{count} {verdict}" for verdict, count in ledger.verdict.value_counts().items())
     trees = [("Tutorial", chapters), ("Figures and tables", figures), ("About", documents), ("Code", rooms)]
     return "\n".join([
         "# MOVE, reproduced", "",
@@ -254,8 +254,9 @@ def claims(ledger: pd.DataFrame) -> Iterator[str]:
     yield "| | the paper says | verdict | numbers | figure |"
     yield "|---|---|---|---|---|"
     for row in ledger.itertuples():
+        open_ones = f"{row.evidence}; {row.needed}" if isinstance(row.needed, str) else row.evidence
         told, evidence = (" ".join(str(text).split()).replace("|", "\\|").replace("[", "\\[")
-                          for text in (row.claim, row.evidence))
+                          for text in (row.claim, open_ones))
         yield (f"| {row.number} | {told} ({row.place}) | **{row.verdict}** | {evidence} | "
                f"[{row.figure}](figures/{row.figure}.ipynb) |")
 

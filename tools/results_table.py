@@ -1,7 +1,7 @@
 """Writes README's results, between its markers, from the figures' own tables: `python tools/results_table.py`.
 
-The verdict of a row is a rule on two numbers and an interval (`move.report.differences.verdict`); nobody words it.
-Below the table stand figure 4 as a number and how many of the paper's claims have which verdict.
+The verdict of a row is that of the ledger's rule (`move/claims/rule.py`); nobody words it. Below the table are figure 4
+as a number and how many of the paper's claims have which verdict.
 """
 
 from __future__ import annotations
@@ -9,12 +9,14 @@ from __future__ import annotations
 import pandas as pd
 
 from move import paper, paths
+from move.claims.quantities import half_width
 from move.claims.rule import VERDICTS
 from move.files import written_aside
-from move.report.differences import verdict
+from move.report.differences import difference_verdict, points
 from move.report.efficiency import spoken_efficiency
 from move.study.profiles import load_profile
 
+HANDS = ("anywhere", "one place")  # where it starts: as in the authors' code; where all demonstrations begin alike
 START, END = "<!-- results: written by tools/results_table.py -->", "<!-- end of results -->"
 README = paths.ROOT / "README.md"
 
@@ -22,24 +24,27 @@ README = paths.ROOT / "README.md"
 def rows() -> list[str]:
     """The lines of the table's body: what, ours, the difference with its interval, seeds, the paper's, the verdict."""
     return [
-        _difference("Figure 1, nine grasp points", "fig1_sparse", "fig1_sparse_difference"),
-        _difference("Figure 3, grasp points everywhere", "fig3_dense", "fig3_dense_difference"),
-        _difference("Figure 5, inside the circle", "fig5_circle", "fig5_circle_differences", "inside"),
-        _difference("Figure 5, outside the circle", "fig5_circle", "fig5_circle_differences", "outside"),
+        *(_difference(f"Figure 1, nine grasp points; hand {hand}", "fig1_sparse", "difference", hand)
+          for hand in HANDS),
+        *(_difference(f"Figure 3, grasp points everywhere; hand {hand}", "fig3_dense", "difference", hand)
+          for hand in HANDS),
+        *(_difference(f"Figure 5, {where} the circle; hand {hand}", "fig5_circle", "differences", hand, where)
+          for where in ("inside", "outside") for hand in HANDS),
         _factors(), _tasks("static"), _tasks("adc"),
     ]
 
 
 def table() -> str:
     """The whole table in Markdown."""
-    head = "| | success here | difference, 95 % | seeds | the paper | verdict |\n|---|---|---|---|---|---|\n"
+    head = ("| | success here | difference, 95 % | seeds | the paper | verdict on the difference |\n"
+            "|---|---|---|---|---|---|\n")
     return head + "\n".join(rows()) + "\n"
 
 
 def sentences() -> str:
     """Data efficiency (figure 4) and the ledger of claims, a line each."""
     counts = _read("claims").verdict.value_counts()
-    told = ", ".join(f"{counts[name]} {name}" for name in VERDICTS if name in counts)
+    told = "; ".join(f"{counts[name]} {name}" for name in VERDICTS if name in counts)
     return (f"**Figure 4.** {spoken_efficiency(_read('fig4_scaling_efficiency'))}\n\n"
             f"**The paper's {counts.sum()} claims.** {told}.\n")
 
@@ -59,22 +64,37 @@ def _seeds(rates: object) -> int:
     return len(str(rates).split())
 
 
-def _line(what: str, ours: tuple[float, float], found: tuple[float, float, float], seeds: int | str,
-          published: tuple[float, float], names: str) -> str:
-    points = "{:+.0f} [{:+.0f}, {:+.0f}]".format(*(100 * value for value in found))
+def _line(what: str, ours: tuple[float, float], found: pd.Series, seeds: int | str,
+          published: tuple[float, float], names: str, half: float = 0.0) -> str:
+    """A row of the table; `found` is the second of the two rates minus the first, and so is the paper's."""
+    ends = "{} [{}, {}]".format(*map(points, (found.difference, found.low, found.high)))
     theirs = published[1] - published[0]
-    return (f"| {what}: {names} | {ours[0]:.2f}, {ours[1]:.2f} | {points} points | {seeds} | {published[0]:.3f}, "
-            f"{published[1]:.3f} ({100 * theirs:+.0f}) | {verdict(*found, theirs)} |")
+    told = difference_verdict(_rising(found, theirs), min(ours), half)
+    return (f"| {what}: {names} | {ours[0]:.2f}, {ours[1]:.2f} | {ends} points | {seeds} | {published[0]:.3f}, "
+            f"{published[1]:.3f} ({points(theirs)}) | {told} |")
 
 
-def _difference(what: str, rates: str, differences: str, where: str = "") -> str:
-    ours, found = _read(rates), _read(differences)
+def _rising(found: pd.Series, theirs: float) -> pd.Series:
+    """A difference with the paper's, both the other way round where the paper's is a fall."""
+    row = {"difference": found.difference, "low": found.low, "high": found.high, "paper": theirs}
+    if theirs < 0:
+        row = {"difference": -found.difference, "low": -found.high, "high": -found.low, "paper": -theirs}
+    return pd.Series(row)
+
+
+def _difference(what: str, figure: str, suffix: str, hand: str, where: str = "") -> str:
+    """A row of figure 1, 3 or 5, or that it is missing."""
+    ours, found = (rows[rows.hand == hand] for rows in (_read(f"{figure}_hand"), _read(f"{figure}_{suffix}")))
     if where:
         ours, found = ours[ours["where"] == where], found[found["where"] == where]
-    ours, found = ours.set_index("method"), found[found.baseline == "static"].iloc[0]
-    printed = paper.published(rates, condition=where).set_index("method").value
-    return _line(what, (ours.value["static"], ours.value["move"]), (found.difference, found.low, found.high),
-                 _seeds(ours.seeds["move"]), (printed["static"], printed["move"]), "static, MOVE")
+    printed = paper.published(figure, condition=where).set_index("method").value
+    theirs = printed["static"], printed["move"]
+    if found.empty:
+        return (f"| {what}: static, MOVE | missing | | | {theirs[0]:.3f}, {theirs[1]:.3f} "
+                f"({points(theirs[1] - theirs[0])}) | not computed yet |")
+    ours = ours.set_index("method")
+    return _line(what, (ours.value["static"], ours.value["move"]), found[found.baseline == "static"].iloc[0],
+                 _seeds(ours.seeds["move"]), theirs, "static, MOVE")
 
 
 def _factors() -> str:
@@ -83,18 +103,20 @@ def _factors() -> str:
     one, every = ours.loc["object"], ours.loc["all"]
     printed = paper.published("table1_spatial_factors").set_index("condition").value
     lost = _read("table1_spatial_factors_lost").set_index("factors").loc["all"]
-    return _line("Table 1", (one.value, every.value), (lost.difference, lost.low, lost.high), _seeds(every.seeds),
-                 (printed["object"], printed["all"]), "static, the object random and everything random")
+    return _line("Table 1", (one.value, every.value), lost, _seeds(every.seeds), (printed["object"], printed["all"]),
+                 "static, the object random and everything random",
+                 half_width([printed["object"]], [printed["all"]], paper.EPISODES_A_RATE))
 
 
 def _tasks(other: str) -> str:
     rates, found = _read("table2_main"), _read("table2_main_differences_mean").set_index("baseline").loc[other]
     ours, name = rates.groupby("method").value.mean(), "ADC" if other == "adc" else other
-    printed = paper.published("table2_main", "mean_success").set_index("method").value
+    printed = {method: list(rows.paper) for method, rows in rates.groupby("method")}  # of the tasks that are there
     seeds = sorted(set(rates[rates.method.isin([other, "move"])].seeds.map(_seeds)))
     what = f"Table 2, mean of {found['items']:.0f} tasks"
-    return _line(what, (ours[other], ours["move"]), (found.difference, found.low, found.high),
-                 " to ".join(map(str, seeds)), (printed[other], printed["move"]), f"{name}, MOVE")
+    means = tuple(sum(printed[method]) / len(printed[method]) for method in (other, "move"))
+    return _line(what, (ours[other], ours["move"]), found, " to ".join(map(str, seeds)), means, f"{name}, MOVE",
+                 half_width(printed["move"], printed[other], paper.EPISODES_A_RATE))
 
 
 if __name__ == "__main__":

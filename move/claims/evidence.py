@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache, cached_property
 from statistics import median
@@ -10,28 +10,20 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from scipy import stats
 
-from move.claims.rule import Finding, Item, Missing
+from move.claims.claims import Quantity, Where
+from move.claims.needed import Design
+from move.claims.rule import INFINITE, NAN, Finding, Missing
 from move.experiments import registry
 from move.experiments.noise import known_noise
 from move.paths import results
-from move.statistics.cells import successes
-from move.statistics.estimates import (
-    Estimate,
-    TrainingNoise,
-    difference,
-    mean_difference,
-    relative_gain,
-    success_rate,
-    unpaired_difference,
-)
-from move.statistics.intervals import CONFIDENCE
+from move.sim.grasp_points import CIRCLE
+from move.statistics.estimates import Estimate, TrainingNoise
 from move.study.labels import LabelledRun
 from move.study.profiles import Profile
 from move.study.results import Result, split, table
 
-Where = dict[str, Any]
+ON_A_GRID = ("fig1_sparse", "few_demonstrations", "fig3_dense", "fig5_circle")
 EPISODE_COLUMNS = ["run", "kind", "task", "method", "observation", "timesteps", "factors", "hand_spread", "seed",
                    "trial", "group", "success", "steps", "object_x", "object_y"]
 
@@ -40,101 +32,67 @@ class Evidence:
     """The stored runs of a profile; nothing is computed anew.
 
     `where` always means: of one experiment the rows whose columns have these values, as in
-    `move.study.results.table`, labels included.
+    `move.study.results.table`, labels included. Over a grid there are two more: `from_grasps`, metres from the nearest
+    grasp point of the demonstrations, and `circle`, "inside" or "outside" of figure 5's.
     """
 
     def __init__(self, profile: Profile) -> None:
         self.profile = profile
         self.episodes = cache(self._episodes)  # by experiment: all stored episodes
         self.asked = cache(self._asked)  # by experiment: one row a run, stored or not
+        self._known, self._stored = cache(self._law), cache(self._read)
 
-    def rate(self, what: str, experiment: str, where: Where, above: float, paper: float = float("nan")) -> Item:
-        """A success rate, said to be above a value."""
-        rows = self._rows(experiment, where)
-        if rows.empty:
-            return self.missing(what, experiment, where)
-        return _finding(what, success_rate(successes(rows), self.noise), rows, above, paper)
-
-    def failure(self, what: str, experiment: str, where: Where, above: float) -> Item:
-        """The share of episodes that fail, said to be above a value."""
-        rows = self._rows(experiment, where)
-        if rows.empty:
-            return self.missing(what, experiment, where)
-        return _finding(what, success_rate(1 - successes(rows), self.noise), rows, above, float("nan"))
-
-    def difference(self, what: str, experiment: str, one: Where, other: Where, paper: float = float("nan"),
-                   above: float = 0.0) -> Item:
-        """The success rate where `one` holds minus that where `other` does, paired by configuration."""
-        first, second = self._rows(experiment, one), self._rows(experiment, other)
-        if first.empty or second.empty:
-            return self.missing(what, experiment, *[where for where, rows in ((one, first), (other, second))
-                                                    if rows.empty])
-        return self.apart(what, first, second, paper, above)
-
-    def apart(self, what: str, first: pd.DataFrame, second: pd.DataFrame, paper: float = float("nan"),
-              above: float = 0.0, paired: bool = True) -> Finding:
-        """The same of episodes that are given; not paired where each side has configurations of its own."""
-        compare = difference if paired else unpaired_difference
-        found = compare(successes(first), successes(second), self.noise)
-        return _finding(what, found, pd.concat([first, second]), above, paper)
-
-    def mean_difference(self, what: str, experiment: str, tasks: list[str], one: Where, other: Where,
-                        paper: float = float("nan")) -> Item:
-        """The mean over `tasks` of such a difference."""
-        return self._over_tasks(mean_difference, what, experiment, tasks, one, other, paper)
-
-    def relative_gain(self, what: str, experiment: str, tasks: list[str], one: Where, other: Where,
-                      paper: float = float("nan")) -> Item:
-        """The mean success over `tasks` where `one` holds over that where `other` does, minus 1."""
-        return self._over_tasks(relative_gain, what, experiment, tasks, one, other, paper)
-
-    def over_seeds(self, what: str, values: list[float], rows: pd.DataFrame, above: float = 0.0,
-                   paper: float = float("nan"), below: float = float("inf")) -> Finding:
-        """A number that each seed gives for itself, three or more: Student's interval of its mean."""
-        mean, error = float(np.mean(values)), max(float(stats.sem(values)), 1e-3)
-        low, high = stats.t.interval(CONFIDENCE, len(values) - 1, mean, error)
-        return Finding(what, mean, float(low), float(high), above, below, paper, runs=_runs(rows))
-
-    def rows(self, experiment: str, **where: Any) -> pd.DataFrame:
+    def rows(self, experiment: str, *wheres: Where) -> pd.DataFrame:
         """The episodes of an experiment where the columns have these values."""
-        return self._rows(experiment, where)
+        return chosen(self.episodes(experiment), *wheres)
 
-    def results(self, experiment: str) -> list[Result]:
-        """The stored results of an experiment."""
-        runs = registry.runs(experiment, self.profile)
-        return split([run.spec for run in runs], results(self.profile))[0]
+    def noise(self, experiment: str) -> TrainingNoise:
+        """How much an experiment's rates vary from training to training; from pixels, where the profile has images."""
+        return self._known(experiment in ON_A_GRID)
 
     def missing(self, what: str, experiment: str, *wheres: Where) -> Missing:
         """What is not stored of an experiment's runs, and its core-minutes by those of stored runs like it."""
         asked = self.asked(experiment)
-        lacking = pd.concat([_where(asked[~asked.stored], where) for where in wheres]) if len(asked) else asked
+        lacking = pd.concat([chosen(asked[~asked.stored], where) for where in wheres]) if len(asked) else asked
         if lacking.empty:
             return Missing(f"{what} (profile {self.profile.name} has no runs for it)", 0, 0.0)
         lacking = lacking.drop_duplicates("run")
-        return Missing(what, len(lacking), float(lacking.steps.sum() * self._minutes_a_step))
+        collected = int((lacking.steps == 0).sum())
+        return Missing(what, len(lacking), float(lacking.steps.sum() * self._minutes_a_step
+                                                 + collected * self._minutes_without_training))
 
-    @cached_property
-    def noise(self) -> TrainingNoise:
-        """How much rates vary from training to training: those from pixels, where the profile has images."""
-        return known_noise(self.profile, "rgb" if self.profile.training.get("rgb") else "keypoints")
+    def finding(self, what: str, found: Estimate, rows: pd.DataFrame, quantity: Quantity, **more: Any) -> Finding:
+        """An estimate from episodes, as a finding of what a claim says of it."""
+        return Finding(what, found.value, found.low, found.high, **region(quantity), runs=runs_of(rows), **more)
 
-    def _over_tasks(self, estimate: Callable[..., Estimate], what: str, experiment: str, tasks: list[str], one: Where,
-                    other: Where, paper: float) -> Item:
-        pairs = [(self._rows(experiment, {"task": task, **one}), self._rows(experiment, {"task": task, **other}))
-                 for task in tasks]
-        if any(first.empty or second.empty for first, second in pairs):
-            return self.missing(what, experiment, one, other)
-        found = estimate([(successes(first), successes(second)) for first, second in pairs], self.noise)
-        return _finding(what, found, pd.concat([part for pair in pairs for part in pair]), 0.0, paper)
+    def design(self, experiment: str, sides: Sequence[pd.DataFrame]) -> Design | None:
+        """What a difference of two sides was measured with, and what its runs cost; None without their times."""
+        spent = [[result.seconds for result in self._stored(experiment).values() if result.spec.hash in set(rows.run)]
+                 for rows in sides]
+        if not all(spent):
+            return None
+        noise = self.noise(experiment)
+        rate = float(np.mean([rows.success.mean() for rows in sides]))
+        variance = 4 * rate * (1 - rate) * noise.variance * noise.degrees / (noise.degrees - 2) if noise.degrees else 0
+        count = min(rows.groupby("run").size().min() for rows in sides)
+        whole, tried = (sum(median(map(part, each)) for each in spent) / 60 for part in (
+            lambda seconds: sum(seconds.values()), lambda seconds: seconds.get("evaluate", 0.0)))
+        return Design(min(rows.seed.nunique() for rows in sides), int(count), variance, whole, tried * 100 / count)
 
-    def _rows(self, experiment: str, where: Where) -> pd.DataFrame:
-        return _where(self.episodes(experiment), where)
+    def _law(self, grid: bool) -> TrainingNoise:
+        return known_noise(self.profile, "rgb" if self.profile.training.get("rgb") else "keypoints", grid)
+
+    def _read(self, experiment: str) -> dict[str, Result]:
+        specs = [run.spec for run in registry.runs(experiment, self.profile)]
+        return {result.spec.hash: result for result in split(specs, results(self.profile))[0]}
 
     def _episodes(self, experiment: str) -> pd.DataFrame:
-        runs = registry.runs(experiment, self.profile)
-        stored = {result.spec.hash: result for result in split([run.spec for run in runs], results(self.profile))[0]}
-        found = table([replace(stored[run.spec.hash], labels=run.labels) for run in runs if run.spec.hash in stored])
-        return found if len(found) else pd.DataFrame(columns=EPISODE_COLUMNS)
+        stored = self._stored(experiment)
+        found = table([replace(stored[run.spec.hash], labels=run.labels)
+                       for run in registry.runs(experiment, self.profile) if run.spec.hash in stored])
+        if found.empty:
+            return pd.DataFrame(columns=EPISODE_COLUMNS)
+        return placed(found) if experiment in ON_A_GRID else found
 
     def _asked(self, experiment: str) -> pd.DataFrame:
         there = set(self.episodes(experiment).run)
@@ -144,8 +102,49 @@ class Evidence:
     def _minutes_a_step(self) -> float:
         """Core-minutes of a run for each gradient step, the median of table 2's from pixels."""
         spent = [sum(result.seconds.values()) / 60 / result.spec.training.gradient_steps
-                 for result in self.results("table2_main") if result.spec.training and result.spec.observation == "rgb"]
+                 for result in self._stored("table2_main").values()
+                 if result.spec.training and result.spec.observation == "rgb"]
         return median(spent) if spent else 0.0
+
+
+    @cached_property
+    def _minutes_without_training(self) -> float:
+        """Core-minutes of a run that only collects, the median of table 6's."""
+        spent = [sum(result.seconds.values()) / 60 for result in self._stored("table6_collection").values()]
+        return median(spent) if spent else 0.0
+
+
+def region(quantity: Quantity) -> dict[str, Any]:
+    """Where a claim says that a quantity lies: `above`, `below` and `equal` of a finding."""
+    if quantity.direction == "above":
+        return {"above": quantity.margin}
+    return {"above": -quantity.margin, "equal": 0.0,
+            "below": quantity.margin if quantity.direction == "same" else INFINITE}
+
+
+def chosen(rows: pd.DataFrame, *wheres: Where) -> pd.DataFrame:
+    """The rows whose columns are as each `where` says; a column that is not there is left alone."""
+    for column, value in [pair for where in wheres for pair in where.items() if pair[0] in rows]:
+        if isinstance(value, dict):
+            (kind, number), = value.items()
+            rows = rows[rows[column] > number if kind == "above" else rows[column] <= number]
+        else:
+            rows = rows[rows[column].isin(value if isinstance(value, list) else [value])]
+    return rows
+
+
+def placed(episodes: pd.DataFrame) -> pd.DataFrame:
+    """Episodes over a grid with `from_grasps` (metres, NaN where there are no grasp points) and `circle`."""
+    places = episodes[["object_x", "object_y"]].to_numpy()
+    points = np.unique(places[(episodes.group == "point").to_numpy()], axis=0)
+    near = np.linalg.norm(places[:, None] - points[None], axis=2).min(axis=1) if len(points) else NAN
+    inside = [CIRCLE.contains((x, y, 0.0)) for x, y in places]
+    return episodes.assign(from_grasps=near, circle=np.where(inside, "inside", "outside"))
+
+
+def runs_of(*sides: pd.DataFrame) -> tuple[str, ...]:
+    """The hashes of the runs that episodes are of."""
+    return tuple(dict.fromkeys(run for rows in sides if "run" in rows for run in rows.run))
 
 
 def _row(run: LabelledRun, stored: bool) -> dict[str, Any]:
@@ -155,19 +154,3 @@ def _row(run: LabelledRun, stored: bool) -> dict[str, Any]:
             "factors": spec.evaluation.factors, "seed": spec.seed,
             "hand_spread": spec.collection.hand_spread if spec.collection else 0.0,
             "steps": spec.training.gradient_steps if spec.training else 0, **run.labels}
-
-
-def _where(rows: pd.DataFrame, where: Where) -> pd.DataFrame:
-    for column, value in where.items():
-        if column in rows:
-            rows = rows[rows[column] == value]
-    return rows
-
-
-def _finding(what: str, found: Estimate, rows: pd.DataFrame, above: float, paper: float) -> Finding:
-    p_value = found.p_value if above == 0 else float("nan")
-    return Finding(what, found.value, found.low, found.high, above, paper=paper, p_value=p_value, runs=_runs(rows))
-
-
-def _runs(rows: pd.DataFrame) -> tuple[str, ...]:
-    return tuple(dict.fromkeys(rows.run)) if "run" in rows else ()

@@ -1,24 +1,43 @@
-"""How much a rate varies from training to training, for cells that have too few seeds of their own to say."""
+"""How much a rate varies from training to training: the law of all cells that have several seeds."""
 
 from __future__ import annotations
 
-from move.experiments.controls import table_keypoint_control
-from move.experiments.main import table2_main
+from collections.abc import Iterator
+
+import numpy as np
+
+from move.experiments import registry
 from move.paths import results
-from move.statistics.cells import training_noise
-from move.statistics.estimates import UNKNOWN, TrainingNoise
+from move.statistics.cells import successes
+from move.statistics.estimates import TrainingNoise, training_noise_of
 from move.study.profiles import Profile
 from move.study.results import split, table
 
+REPEATED = ("fig1_sparse", "few_demonstrations", "fig3_dense", "fig5_circle", "fig_perception",
+            "table1_spatial_factors", "table2_main", "fig6_dimensions", "keypoint_control", "table_keypoint_control")
+"""The experiments that repeat a training three times or more."""
 
-def known_noise(profile: Profile, observation: str) -> TrainingNoise:
-    """How much a rate varies from training to training, from the profile's stored runs with everything random.
 
-    For a cell that has fewer than three seeds itself: from pixels all seeds of table 2 that are stored, from keypoints
-    those of its control at the smaller budget. Nothing is known where no cell has two, or without such a recipe.
+def known_noise(profile: Profile, observation: str, grid: bool = False) -> TrainingNoise:
+    """How much a rate varies from training to training, from the profile's stored runs that differ in their seed alone.
+
+    The same in every figure, so that a rate has one interval wherever it is shown. Nothing is known where no cell has
+    two seeds, or without a recipe for this observation.
+
+    Args:
+        grid: of success over a grid of places (figures 1, 3 and 5), where trainings differ more than where everything
+            is random.
     """
-    if observation not in profile.training:
-        return UNKNOWN
-    runs = table2_main(profile, seeds=3, control_seeds=0) if observation == "rgb" else table_keypoint_control(profile)
-    episodes = table(split([run.spec for run in runs if run.spec.training], results(profile))[0])
-    return training_noise(episodes, ["task", "method", "timesteps"]) if len(episodes) else UNKNOWN
+    return training_noise_of(_cells(profile, observation, grid) if observation in profile.training else ())
+
+
+def _cells(profile: Profile, observation: str, grid: bool) -> Iterator[np.ndarray]:
+    specs = {run.spec for name in REPEATED for run in registry.runs(name, profile)
+             if run.spec.training and run.spec.observation == observation
+             and (run.spec.evaluation.starts == "grid") == grid}
+    seeds: dict[str, list] = {}
+    for result in split(sorted(specs, key=lambda spec: spec.hash), results(profile))[0]:
+        seeds.setdefault(result.spec.model_copy(update={"seed": 0}).hash, []).append(result)
+    for repeated in seeds.values():
+        if len(repeated) > 1:
+            yield successes(table(repeated))

@@ -2,23 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
+
 import numpy as np
 import pandas as pd
 
+from move.claims.rule import Finding, verdict
 from move.report.style import NAMES
 from move.statistics.cells import successes, training_noise
 from move.statistics.estimates import (
     UNKNOWN,
     Estimate,
     TrainingNoise,
+    contrast,
     difference,
     holm,
+    mean_contrast,
     mean_difference,
 )
 from move.statistics.over_tasks import over_tasks
 
 Pair = tuple[np.ndarray, np.ndarray]
 COLUMNS = ("difference", "low", "high", "p", "holm", "trainings")
+CHANGE = (1.0, -1.0, -1.0, 1.0)  # of MOVE and static late, MOVE and static early
 LEVEL = 0.05  # of a word such as "above": of all the words of one table together
 
 
@@ -42,11 +48,17 @@ def difference_table(episodes: pd.DataFrame, by: str, others: tuple[str, ...] = 
     return table.sort_values(by, key=lambda values: values.map(order), kind="stable", ignore_index=True)
 
 
-def differences_at(episodes: pd.DataFrame, at: str, by: str,
-                   others: tuple[str, ...] = ("static", "adc")) -> pd.DataFrame:
+def differences_at(episodes: pd.DataFrame, at: str, by: str, others: tuple[str, ...] = ("static", "adc"),
+                   known: TrainingNoise = UNKNOWN) -> pd.DataFrame:
     """A `difference_table` for each value of column `at` by itself, one below the other."""
-    return pd.concat([difference_table(rows, by, others).assign(**{at: value}) for value, rows in episodes.groupby(at)],
-                     ignore_index=True)
+    return pd.concat([difference_table(rows, by, others, known).assign(**{at: value})
+                      for value, rows in episodes.groupby(at)], ignore_index=True)
+
+
+def joined(tables: Iterable[pd.DataFrame]) -> pd.DataFrame:
+    """Tables of differences, one below the other, with Holm's adjustment over all of their rows."""
+    rows = pd.concat(tables, ignore_index=True)
+    return rows.assign(holm=holm(rows.p)) if len(rows) else rows
 
 
 def difference_means(episodes: pd.DataFrame, by: str, others: tuple[str, ...] = ("static", "adc"),
@@ -86,54 +98,60 @@ def _pairs(episodes: pd.DataFrame, by: str, other: str) -> list[tuple[object, Pa
     return pairs
 
 
-def reading_difference(episodes: pd.DataFrame, column: str, one: str, other: str) -> pd.Series:
+def reading_difference(episodes: pd.DataFrame, column: str, one: str, other: str,
+                       known: TrainingNoise = UNKNOWN) -> pd.Series:
     """Mean over the tasks that have both of the rate of variant `one` minus that of `other`; empty where none has.
 
     The variants are named in `column`. Entries items and `COLUMNS`, as in `difference_means`.
     """
-    noise, pairs = training_noise(episodes, ["task", column]), []
+    noise, pairs = training_noise(episodes, ["task", column], known), []
     for _, group in episodes.groupby("task", sort=False):
         cells = {name: successes(part) for name, part in group.groupby(column)}
         pairs += [(cells[one], cells[other])] if {one, other} <= set(cells) else []
     return pd.Series(_mean(pairs, noise) if pairs else {}, dtype=object)
 
 
-def reading_differences(episodes: pd.DataFrame, by: str, column: str, other: str, ones: list[str]) -> pd.DataFrame:
-    """`reading_difference` of each of the variants `ones` against `other`, one row a value of `by` that has both."""
+def reading_differences(episodes: pd.DataFrame, by: str, column: str, other: str, ones: list[str],
+                        known: Mapping[str, TrainingNoise] | None = None) -> pd.DataFrame:
+    """`reading_difference` of each of the variants `ones` against `other`, one row a value of `by` that has both.
+
+    Args:
+        known: value of `by` -> its training noise, where something is known.
+    """
     rows = [{by: value, column: one, "baseline": other, **found} for value, part in episodes.groupby(by, sort=False)
-            for one in ones if len(found := reading_difference(part, column, one, other))]
+            for one in ones
+            if len(found := reading_difference(part, column, one, other, (known or {}).get(str(value), UNKNOWN)))]
     return pd.DataFrame(rows, columns=[by, column, "baseline", "items", *COLUMNS])
 
 
-def length_matters(episodes: pd.DataFrame) -> pd.DataFrame:
+def length_matters(episodes: pd.DataFrame, known: TrainingNoise = UNKNOWN) -> pd.DataFrame:
     """MOVE minus static at the longest training minus the same at the shortest: one row a task, and their mean.
 
-    Columns task ("mean of n" last), then `COLUMNS`, of that change. The noise of trainings is pooled
-    over all cells; a difference of two methods has twice that of one.
+    Columns task ("mean of n" last), then `COLUMNS`, of that change.
 
     Args:
         episodes: of static and MOVE, with the label `length` of their experiment.
     """
-    one = training_noise(episodes, ["task", "method", "length"])
-    noise = TrainingNoise(2 * one.variance, one.degrees)
-    pairs: dict[str, Pair] = {}
-    ends = (episodes.length.max(), episodes.length.min())
+    noise = training_noise(episodes, ["task", "method", "length"], known)
+    ends = [(method, length) for length in (episodes.length.max(), episodes.length.min())
+            for method in ("move", "static")]
+    cells_of: dict[str, list[np.ndarray]] = {}
     for task, group in episodes.groupby("task", sort=False):
         cells = {key: successes(part) for key, part in group.groupby(["method", "length"])}
-        if all((method, length) in cells for method in ("static", "move") for length in ends):
-            late, early = (cells["move", length] - cells["static", length] for length in ends)
-            pairs[task] = late, early
-    rows = with_holm([{"task": task, **as_columns(difference(*pair, noise))} for task, pair in pairs.items()])
-    if len(pairs) > 1:
-        rows.append({"task": f"mean of {len(pairs)}", **_mean(list(pairs.values()), noise)})
+        if set(ends) <= set(cells):
+            cells_of[task] = [cells[end] for end in ends]
+    rows = with_holm([{"task": task, **as_columns(contrast(cells, CHANGE, noise))} for task, cells in cells_of.items()])
+    if len(cells_of) > 1:
+        mean = mean_contrast(list(cells_of.values()), CHANGE, noise)
+        rows.append({"task": f"mean of {len(cells_of)}", **as_columns(mean), "holm": mean.p_value})
     return pd.DataFrame(rows, columns=["task", *COLUMNS])
 
 
 def spoken_difference(row: pd.Series) -> str:
     """A row of `difference_table` in words: "+12 points [+3, +21], above 0"; the word holds after Holm's adjustment."""
     clear = row.holm < LEVEL
-    verdict = "not distinguishable from 0" if not clear else "above 0" if row.difference > 0 else "below 0"
-    return f"{_points(row.difference)} points [{_points(row.low)}, {_points(row.high)}], {verdict}"
+    word = "not distinguishable from 0" if not clear else "above 0" if row.difference > 0 else "below 0"
+    return f"{points(row.difference)} points [{points(row.low)}, {points(row.high)}], {word}"
 
 
 def spoken_rates(rates: pd.DataFrame, column: str = "value") -> str:
@@ -142,31 +160,36 @@ def spoken_rates(rates: pd.DataFrame, column: str = "value") -> str:
                      ) or "nothing is computed yet"
 
 
-def spoken_verdicts(table: pd.DataFrame, by: str = "") -> str:
-    """A `difference_table` with the paper's in column `paper`, in words: each difference, and what it says of theirs.
+def spoken_verdicts(table: pd.DataFrame, rates: pd.DataFrame, by: str = "") -> str:
+    """A `difference_table` with the paper's in column `paper`, in words: each difference and its verdict.
 
     Args:
+        rates: the rates that are compared, whose baselines leave MOVE so much room: method, value, and the column `by`.
         by: the column that names a row, where there are several for one other method.
     """
-    return "; ".join(f"{row[by] + ' ' if by else ''}MOVE minus {NAMES[row.baseline]} {spoken_difference(row)}: "
-                     f"{verdict(row.difference, row.low, row.high, row.paper)}" for _, row in table.iterrows()
-                     ) or "there is nothing to compare yet"
+    keys = [by, "method"] if by else ["method"]
+    baseline = rates.set_index(keys).value
+    return "; ".join(
+        f"{row[by] + ' ' if by else ''}MOVE minus {NAMES[row.baseline]} {spoken_difference(row)}: "
+        + difference_verdict(row, baseline[(row[by], row.baseline) if by else row.baseline])
+        for _, row in table.iterrows()) or "there is nothing to compare yet"
 
 
-def _points(difference: float) -> str:
+def difference_verdict(row: pd.Series, baseline: float, paper_half_width: float = 0.0) -> str:
+    """The verdict on the paper's difference `row.paper`, by the rule of `move.claims.rule`.
+
+    Args:
+        row: difference, low, high, paper.
+        baseline: the other method's rate.
+        paper_half_width: half of the 95 % interval of the paper's difference, 0 where nothing is known of it.
+    """
+    return verdict([Finding("", row.difference, row.low, row.high, paper=row.paper, room=1 - baseline,
+                            paper_half_width=paper_half_width)])
+
+
+def points(difference: float) -> str:
     """A difference of rates in whole points with its sign; never "-0"."""
     return f"{round(100 * difference):+d}"
-
-
-def verdict(difference: float, low: float, high: float, published: float) -> str:
-    """What a difference with its 95 % interval says about the paper's: its direction first, then its size."""
-    if low <= 0 <= high:
-        return "no difference shown, nor the paper's excluded" if low <= published <= high else "not found here"
-    if (difference > 0) != (published > 0):
-        return "opposite direction"
-    if low <= published <= high:
-        return "direction and size as in the paper"
-    return f"direction as in the paper, size {'smaller' if abs(difference) < abs(published) else 'larger'}"
 
 
 def spoken_counts(table: pd.DataFrame) -> str:
@@ -195,8 +218,8 @@ def spoken_tasks(table: pd.DataFrame) -> str:
     """A `tasks_table` in words: mean, interquartile mean, probability of improvement, and the test over tasks."""
     return " ".join(
         f"Over {row.tasks} tasks, taken as a sample of tasks, MOVE minus {NAMES[row.baseline]} is "
-        f"{_points(row.mean_difference)} points [{_points(row.low)}, {_points(row.high)}], of the interquartile "
-        f"means {_points(row.iqm_first - row.iqm_second)} [{_points(row.iqm_low)}, {_points(row.iqm_high)}]; "
+        f"{points(row.mean_difference)} points [{points(row.low)}, {points(row.high)}], of the interquartile "
+        f"means {points(row.iqm_first - row.iqm_second)} [{points(row.iqm_low)}, {points(row.iqm_high)}]; "
         f"MOVE is better on a task drawn at random with probability {row.improvement:.2f} [{row.improvement_low:.2f}, "
         f"{row.improvement_high:.2f}]; flipping the tasks' signs gives p = {row.p_value:.3f}."
         for row in table.itertuples()) or "Fewer than three tasks are stored."

@@ -29,7 +29,7 @@ Cell = Callable[[Any], str]
 
 
 def _number(value: Any, digits: int = 1, sign: str = "") -> str:
-    return f"{value:{sign}.{digits}f}".replace("-", MINUS)
+    return f"{round(value, digits) + 0.0:{sign}.{digits}f}".replace("-", MINUS)  # never "-0.0"
 
 
 def _percent(value: Any) -> str:

@@ -27,8 +27,8 @@ __all__ = ["as_markdown", "inside_and_outside", "readable", "shown"]  # besides 
 def rate_table(episodes: pd.DataFrame, by: list[str], known: TrainingNoise = UNKNOWN) -> pd.DataFrame:
     """One row a group: success rate, 95 % interval, each seed's own rate, episodes, what the interval knows.
 
-    Below three seeds the training noise is `known`, else pooled over the groups. Column `trainings` is "own", "pooled"
-    or "unknown" as in `move.statistics.estimates.Estimate`, and "none" for an agent that is not trained.
+    The training noise is `known`, else what the groups tell. Column `trainings` is as in
+    `move.statistics.estimates.Estimate`, and "none" for an agent that is not trained.
 
     Args:
         episodes: rows as `move.study.results.table` gives them, with the columns `by`.

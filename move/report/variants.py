@@ -13,7 +13,7 @@ import pandas as pd
 
 from move.report.differences import COLUMNS, as_columns, with_holm
 from move.statistics.cells import successes, training_noise
-from move.statistics.estimates import UNKNOWN, TrainingNoise, difference, pooled_noise, unpaired_difference
+from move.statistics.estimates import UNKNOWN, TrainingNoise, difference, unpaired_difference
 
 USUAL = {"object": 0.03, "target": 0.03, "camera": 1.0}
 """The speeds used everywhere else: metres per step, and degrees per step of the camera."""
@@ -52,11 +52,11 @@ def share_table(episodes: pd.DataFrame, noise: TrainingNoise = UNKNOWN) -> pd.Da
     return pd.DataFrame(_compared(episodes, "share", pairs, noise, {}), columns=["share", *COMPARED])
 
 
-def factor_table(episodes: pd.DataFrame) -> pd.DataFrame:
+def factor_table(episodes: pd.DataFrame, known: TrainingNoise = UNKNOWN) -> pd.DataFrame:
     """Static with more random (table 1) against static with the object alone; other factors, other configurations."""
     cells = {factors: successes(rows) for factors, rows in
              episodes[episodes.method == "static"].groupby("factors", sort=False)}
-    noise = pooled_noise(cells.values())
+    noise = training_noise(episodes, ["factors", "method"], known)
     rows = [{"method": "static", "factors": more, "baseline": "object",
              **as_columns(unpaired_difference(cells[more], cells["object"], noise))}
             for more in cells if "object" in cells and more != "object"]

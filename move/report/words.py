@@ -13,8 +13,8 @@ class Words(NamedTuple):
     alt: str
 
 
-_INTERVALS = ("Error bars are 95 % intervals that know how trainings and configurations differ; with fewer than three "
-              "seeds the noise of trainings is pooled over cells that have more.")
+_INTERVALS = ("Error bars are 95 % intervals that include how trainings and configurations differ; a cell's training "
+              "variance is moderated by that of all like cells.")
 _MAPS = ("seen from above: a cell is one place of the object, its colour the number of seeds whose policy succeeds "
          "there; the robot's base is below the map, at x = 0, y = 0.")
 
@@ -25,8 +25,10 @@ _HANDS = ("anywhere in its range in training and evaluation (the maps; the autho
 FIGURES = {
     "claims": Words(
         "What became of the paper's claims",
-        "How many of the paper's claims have which verdict; one rule makes the verdict from stored runs.",
-        "A bar chart with one bar a verdict."),
+        "The claims that are numbers, those of a figure together: ours with its 95 % interval, coloured by the verdict "
+        "that one rule makes from stored runs, the paper's value a diamond. Of a claim of several things small strokes "
+        "are the single ones and the point is their mean, or the trend over them.",
+        "A forest plot with a line a claim: a point, its interval, and a diamond for the paper."),
     "equal_demonstrations": Words(
         "As many demonstrations instead of as many timesteps",
         f"Success on Pick-Place where both methods get as many timesteps, and where static gets as many demonstrations "
@@ -156,7 +158,7 @@ FIGURES = {
         "What can a success rate say?",
         "Simulated studies of 100 configurations. (a) How often nominal 95 % intervals hold the true rate: ours "
         "filled, those that count episodes alone hollow, one shape a number of seeds; the grey band is 93 to 97 %. "
-        "(b) How wide ours are with one seed and with more, for three sizes of what trainings differ.",
+        "(b) How wide ours are with one seed and with more, by how much trainings differ.",
         "A scatter plot of coverages around a band at 95 %, and three falling curves."),
     "table1_spatial_factors": Words(
         "Table 1. How much harder does every random factor make it?",
@@ -201,7 +203,7 @@ FIGURES = {
         "Four panels of points with intervals, one line a change of the recipe."),
 }
 
-_RATES = "Success in per cent with 95 % intervals, which know how trainings and configurations differ."
+_RATES = "Success in per cent with 95 % intervals, which include how trainings and configurations differ."
 _DIFFERENCES = ("MOVE minus another method in points, paired by configuration, with 95 % intervals; p after Holm's "
                 "adjustment is over the rows of one comparison.")
 _COSTS = "Minutes that a run takes, median, one core."
@@ -252,6 +254,8 @@ TABLES = {
     "fig_training_length": f"Length of training. {_RATES}",
     "fig_training_length_depends": "MOVE minus static at the longest training, minus the same at the shortest; in "
                                    "points, with 95 % intervals.",
+    "fig_training_length_beyond": "MOVE minus static at the longest training, minus the same at the recipe's own "
+                                  "length; in points, with 95 % intervals.",
     "fig_training_length_differences": f"At each length of training. {_DIFFERENCES}",
     "fig_coverage": f"Success, and shares of cells that the data visit in their first timesteps. {_RATES}",
     "fig_perception": f"Figures 1, 3 and 5 and table 1, from pixels and from keypoints. {_RATES}",

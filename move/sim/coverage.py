@@ -70,12 +70,17 @@ def visited_share(seen: pd.DataFrame, task: Task, part: str) -> float:
     """Share of the cells of `part` ("object", "target" or "camera") that at least one row of `seen` lies in.
 
     Positions are divided into 10 x 10 cells of the range in the plane, the camera's range into 20. The object counts
-    while it lies on the table (pick phase); afterwards the hand has it.
+    while it lies on the table (pick phase); afterwards the hand has it. NaN for the target of a task that has none.
     """
+    if part == "target" and not task.has_target:
+        return float("nan")
     if part == "camera":
-        return len(set(_angle_cells(seen, task, ANGLES))) / ANGLES
-    rows = _on_the_table(seen) if part == "object" else seen
-    return len(set(_plane_cells(rows, task, part, SIDE))) / SIDE**2
+        share = len(set(_angle_cells(seen, task, ANGLES))) / ANGLES
+    else:
+        rows = _on_the_table(seen) if part == "object" else seen
+        share = len(set(_plane_cells(rows, task, part, SIDE))) / SIDE**2
+    assert 0 <= share <= 1, f"{share} of the {part}'s cells visited"
+    return share
 
 
 def visited_joint_share(seen: pd.DataFrame, task: Task, side: int = 5, angles: int = 10) -> float:

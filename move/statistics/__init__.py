@@ -1,7 +1,7 @@
 """What rates and differences can say.
 
 intervals.py         of one rate, and of a mean
-estimates.py         rates, differences, means over tasks: intervals that know trainings and configurations
+estimates.py         rates, differences, means over tasks: intervals that include training variance
 over_tasks.py        two methods with the task as the unit
 cells.py             from a table of episodes to arrays of successes
 simulation.py        how often the intervals hold the truth

@@ -7,7 +7,7 @@ import pandas as pd
 
 from move.sim.collection import METHODS
 from move.sim.configuration import Disc
-from move.statistics.estimates import UNKNOWN, TrainingNoise, pooled_noise
+from move.statistics.estimates import UNKNOWN, TrainingNoise, training_noise_of
 
 
 def successes(episodes: pd.DataFrame) -> np.ndarray:
@@ -30,7 +30,7 @@ def training_noise(episodes: pd.DataFrame, by: list[str], known: TrainingNoise =
     """
     if known.degrees:
         return known
-    return pooled_noise(successes(group) for _, group in episodes[episodes.method.isin(METHODS)].groupby(by))
+    return training_noise_of(successes(group) for _, group in episodes[episodes.method.isin(METHODS)].groupby(by))
 
 
 def inside_and_outside(episodes: pd.DataFrame, disc: Disc) -> pd.DataFrame:

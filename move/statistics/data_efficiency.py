@@ -4,7 +4,7 @@ Success is taken to rise with the logarithm of the timesteps: an isotonic fit th
 between budgets. The level asked for is MOVE's fitted success at one budget; static's fit says at which budget it has as
 much. Below static's smallest budget and above its largest nothing is known: it is then "at most" or "more than".
 The interval resamples configurations, the same ones for all budgets and both methods, and lets every rate differ by
-what trainings differ.
+what trainings differ, with the tails of the Student's t that this is known by.
 """
 
 from __future__ import annotations
@@ -13,9 +13,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.optimize import isotonic_regression
 
-from move.statistics.estimates import UNKNOWN, TrainingNoise
+from move.statistics.estimates import UNKNOWN, TrainingNoise, training_scale
 from move.statistics.intervals import CONFIDENCE
 
 Curve = Mapping[int, np.ndarray]
@@ -61,26 +60,38 @@ class Efficiency:
         return f"<= {self.least:.2g}" if ratio <= self.least else f"{ratio:.2g}"
 
 
-def needed(budgets: np.ndarray, rates: np.ndarray, level: float) -> float:
-    """The timesteps at which a monotone curve through (budgets, rates) has `level`; `inf` where it never does.
+def isotonic(rates: np.ndarray) -> np.ndarray:
+    """The rising sequences nearest to `rates` along the last axis, as `scipy.optimize.isotonic_regression` finds one.
+
+    By the minimax formula, for all leading axes at once: of the means from any place up to here to any from here on,
+    the largest of the smallest.
+    """
+    count = rates.shape[-1]
+    sums = np.concatenate([np.zeros((*rates.shape[:-1], 1)), rates.cumsum(axis=-1)], axis=-1)
+    means = [[(sums[..., last + 1] - sums[..., first]) / (last + 1 - first) for last in range(first, count)]
+             for first in range(count)]
+    return np.stack([np.max([np.min(means[first][place - first:], axis=0) for first in range(place + 1)], axis=0)
+                     for place in range(count)], axis=-1)
+
+
+def needed(budgets: np.ndarray, rates: np.ndarray, levels: float | np.ndarray) -> np.ndarray:
+    """The timesteps at which monotone curves through (budgets, rates) have their level; `inf` where one never does.
 
     Args:
         budgets: timesteps, increasing, (n,).
-        rates: success rates, (n,).
+        rates: success rates, (..., n).
+        levels: (...).
 
-    >>> round(needed(np.array([1000, 10_000]), np.array([.2, .4]), .3))
+    >>> round(float(needed(np.array([1000, 10_000]), np.array([.2, .4]), .3)))
     3162
     """
-    fitted = isotonic_regression(rates).x
-    if level > fitted[-1] + 1e-12:
-        return float("inf")
-    reached = int(np.argmax(fitted >= level - 1e-12))
-    if reached == 0:
-        return float(budgets[0])
-    below, above = fitted[reached - 1], fitted[reached]
-    share = (level - below) / (above - below)
-    logs = np.log(budgets)
-    return float(np.exp(logs[reached - 1] + share * (logs[reached] - logs[reached - 1])))
+    fitted, levels = isotonic(rates), np.asarray(levels, float)[..., None]
+    reached = np.argmax(fitted >= levels - 1e-12, axis=-1)[..., None]
+    before = np.maximum(reached - 1, 0)
+    below, above = (np.take_along_axis(fitted, place, -1) for place in (before, reached))
+    share = (levels - below) / np.where(above > below, above - below, 1)
+    found = np.where(reached > 0, budgets[before] * (budgets[reached] / budgets[before]) ** share, budgets[0])
+    return np.where(levels > fitted[..., -1:] + 1e-12, np.inf, found)[..., 0]
 
 
 def data_efficiency(
@@ -98,30 +109,28 @@ def data_efficiency(
     if min(len(static), len(move)) < 2 or budget not in move:
         raise ValueError(f"data_efficiency: {sorted(static)} and {sorted(move)} timesteps given; allowed are two "
                          f"budgets or more of each, {budget} among MOVE's")
-    rng = np.random.default_rng(0)
-    ratios = [_ratio(static, move, budget, None, 0.0, rng)]
-    configurations = next(iter(move.values())).shape[1]
-    for _ in range(draws):
-        drawn = rng.integers(0, configurations, (configurations,))
-        ratios.append(_ratio(static, move, budget, drawn, noise.deviation, rng))
-    low, high = np.quantile(ratios[1:], [(1 - CONFIDENCE) / 2, (1 + CONFIDENCE) / 2], method="nearest")
-    return Efficiency(ratios[0], float(low), float(high), min(static) / budget, max(static) / budget,
-                      np.array(ratios[1:]))
+    rng, configurations = np.random.default_rng(0), next(iter(move.values())).shape[1]
+    drawn = rng.integers(0, configurations, (draws, configurations))
+    counts = np.apply_along_axis(np.bincount, 1, drawn, minlength=configurations) / configurations
+    ratio = float(_ratio(static, move, budget, np.full((1, configurations), 1 / configurations), UNKNOWN, rng)[0])
+    ratios = _ratio(static, move, budget, counts, noise, rng)
+    low, high = np.quantile(ratios, [(1 - CONFIDENCE) / 2, (1 + CONFIDENCE) / 2], method="nearest")
+    return Efficiency(ratio, float(low), float(high), min(static) / budget, max(static) / budget, ratios)
 
 
 def _ratio(
-    static: Curve, move: Curve, budget: int, drawn: np.ndarray | None, deviation: float, rng: np.random.Generator
-) -> float:
-    curves = []
-    for curve in (static, move):
-        budgets = np.array(sorted(curve))
-        rates = np.array([_rate(curve[size], drawn, deviation, rng) for size in budgets])
-        curves.append((budgets, rates))
-    level = isotonic_regression(curves[1][1]).x[list(curves[1][0]).index(budget)]
-    return needed(*curves[0], level) / budget
+    static: Curve, move: Curve, budget: int, weights: np.ndarray, noise: TrainingNoise, rng: np.random.Generator
+) -> np.ndarray:
+    """One ratio a row of `weights`, which are the configurations' (draws, configurations)."""
+    (sizes, rates), (more, others) = ((np.array(sorted(curve)), np.stack(
+        [_rates(curve[size], weights, noise, rng) for size in sorted(curve)], axis=-1)) for curve in (static, move))
+    level = isotonic(others)[:, list(more).index(budget)]
+    return needed(sizes, rates, level) / budget
 
 
-def _rate(successes: np.ndarray, drawn: np.ndarray | None, deviation: float, rng: np.random.Generator) -> float:
-    if drawn is None:
-        return float(successes.mean())
-    return float(successes[:, drawn].mean() + rng.normal(0, deviation / np.sqrt(len(successes))))
+def _rates(
+    successes: np.ndarray, weights: np.ndarray, noise: TrainingNoise, rng: np.random.Generator
+) -> np.ndarray:
+    rates = weights @ successes.mean(axis=0)
+    scale, degrees = training_scale(successes, noise)
+    return rates + np.sqrt(max(float(scale), 0)) * rng.standard_t(degrees, len(rates)) if noise.degrees else rates

@@ -8,7 +8,6 @@ import matplotlib.pyplot as plt
 import pandas as pd
 from matplotlib.figure import Figure
 
-from move.claims.rule import VERDICTS
 from move.report import maps, plots
 from move.report.figures.panels import Strips, empty_panel
 from move.report.style import NAMES, PAGE_WIDTH, remark, titles
@@ -120,8 +119,22 @@ def statistics(simulated: pd.DataFrame) -> Figure:
     return figure
 
 
-def claims(ledger: pd.DataFrame) -> Figure:
-    """How many claims have which verdict."""
-    figure, ax = plt.subplots(figsize=(PAGE_WIDTH, 1.7))
-    plots.verdicts(ledger, VERDICTS, ax)
+def claims(numbers: pd.DataFrame) -> Figure:
+    """The claims that are numbers, grouped by figure: shares and differences, and below them factors.
+
+    Args:
+        numbers: as `move.claims.ledger.numbers` gives it.
+    """
+    grouped = numbers.assign(first=numbers.groupby("figure").number.transform("min")).sort_values(
+        ["first", "number"], kind="stable")
+    parts = [grouped[~grouped.factor], grouped[grouped.factor]]
+    lines = [max(part.number.nunique(), 1) for part in parts]
+    figure, axes = plt.subplots(2, 1, figsize=(PAGE_WIDTH, 1.4 + 0.17 * sum(lines)), height_ratios=lines)
+    for ax, part in zip(axes, parts, strict=True):
+        plots.forest(part, ax)
+    axes[0].set_xlabel("difference, rate or share, as the claim has it")
+    axes[1].set(xlabel="static's timesteps / MOVE's, same success", xlim=(0, None))
+    axes[1].axvline(1, color="black", lw=0.8, ls="--")
+    figure.legend(handles=plots.forest_entries(list(numbers.verdict)), ncol=4, loc="outside upper center")
+    titles(axes, ["claims that are a share or a difference", "claims of data efficiency"])
     return figure

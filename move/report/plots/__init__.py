@@ -4,13 +4,13 @@ Rates and differences are shares of 1 in the tables and on the axes, and are wri
 whose value is NaN is drawn as missing. Maps and frames are in `move.report.maps`.
 
 axes     what they share: per cent, points, ticks
-bars     rates, groups of them, ladders, costs, verdicts
+bars     rates, groups of them, ladders, costs
 curves   over budgets, speeds, lengths of training, seeds
-points   differences, factors, tasks side by side, coverage
+points   differences, claims, factors, tasks side by side, coverage
 """
 
 from move.report.plots.axes import log_ticks, points_axis, short
-from move.report.plots.bars import cost_entries, costs, grouped_rates, ladder, rates, share_interval, verdicts
+from move.report.plots.bars import cost_entries, costs, grouped_rates, ladder, rates, share_interval
 from move.report.plots.curves import (
     coverages,
     curve,
@@ -23,10 +23,13 @@ from move.report.plots.curves import (
 )
 from move.report.plots.points import (
     READINGS,
+    VERDICT_COLOURS,
     changes,
     covered,
     differences,
     efficiencies,
+    forest,
+    forest_entries,
     gains,
     own_and_elsewhere,
     own_and_elsewhere_entries,
@@ -35,8 +38,8 @@ from move.report.plots.points import (
 )
 
 __all__ = [
-    "READINGS", "changes", "cost_entries", "costs", "coverages", "covered", "curve", "efficiencies", "entries", "gains",
-    "differences", "grouped_rates", "half_widths", "ladder", "level", "log_ticks", "own_and_elsewhere",
-    "own_and_elsewhere_entries", "points_axis", "printed_points", "rates", "readings", "reference", "reference_entry",
-    "share_interval", "short", "task_rates", "verdicts",
+    "READINGS", "VERDICT_COLOURS", "changes", "cost_entries", "costs", "coverages", "covered", "curve", "differences",
+    "efficiencies", "entries", "forest", "forest_entries", "gains", "grouped_rates", "half_widths", "ladder", "level",
+    "log_ticks", "own_and_elsewhere", "own_and_elsewhere_entries", "points_axis", "printed_points", "rates", "readings",
+    "reference", "reference_entry", "share_interval", "short", "task_rates",
 ]

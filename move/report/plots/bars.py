@@ -1,4 +1,4 @@
-"""Bars: rates side by side or in groups, one thing after the other, costs, and counts of verdicts."""
+"""Bars: rates side by side or in groups, one thing after the other, and costs."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from matplotlib.ticker import MaxNLocator
 
 from move.report.plots.axes import GREY, PRINTED, errors, success_axis
 from move.report.style import COLOURS, LEAST_POINTS, NAMES
@@ -135,21 +134,3 @@ def share_interval(shares: pd.Series) -> tuple[float, float]:
     mean, deviation = shares.mean(), student_half_width(shares.std(), len(shares)) / NORMAL
     trials = mean * (1 - mean) / deviation**2 if deviation > 0 else float(len(shares))
     return wilson_interval(mean, trials)
-
-
-def verdicts(table: pd.DataFrame, order: Sequence[str], ax: Axes) -> None:
-    """How many claims have which verdict, one bar a verdict.
-
-    Args:
-        table: one row a claim with its `verdict`.
-        order: of the verdicts, from the top.
-    """
-    counts = table.verdict.value_counts().reindex(order, fill_value=0)
-    ax.barh(range(len(order)), counts, color=GREY, height=0.66)
-    for place, count in enumerate(counts):
-        ax.annotate(str(count), (count, place), xytext=(3, 0), textcoords="offset points", va="center",
-                    fontsize=LEAST_POINTS)
-    ax.set_yticks(range(len(order)), order)
-    ax.invert_yaxis()
-    ax.xaxis.set_major_locator(MaxNLocator(integer=True))
-    ax.set_xlabel("claims of the paper")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
@@ -14,6 +16,12 @@ from move.report.plots.axes import GREY, errors, points_axis, success_axis, task
 from move.report.style import COLOURS, DIFFERENCES, LEAST_POINTS, NAMES
 from move.sim.tasks import TASKS
 
+VERDICT_COLOURS = {
+    "reproduced": "#009E73", "reproduced, smaller": "#56B4E9", "reproduced, larger": "#56B4E9",
+    "direction only": "#0072B2", "undecided": "#999999", "at the ceiling": "#E69F00", "refuted here": "#D55E00",
+    "not computed yet": "#BBBBBB",
+}
+"""Of `move.claims.rule.VERDICTS` those that a claim with a number can have."""
 READINGS = {"as printed": "#999999", "mended": "#56B4E9", "periodic": "#CC79A7"}
 
 
@@ -44,6 +52,37 @@ def differences(table: pd.DataFrame, by: str, labels: list[str], ax: Axes, means
     ax.set_yticks(range(len(values)), labels)
     ax.set_ylim(max(len(values), 1) - 0.5, -0.5)
     points_axis(ax, "difference of success (points)")
+
+
+def forest(table: pd.DataFrame, ax: Axes) -> None:
+    """Claims with their numbers, one line each: ours with its interval in the verdict's colour, the paper's a diamond.
+
+    Args:
+        table: as `move.claims.ledger.numbers` gives it; of several numbers the single ones are drawn small.
+    """
+    listed = table[["number", "claim", "figure"]].drop_duplicates().reset_index(drop=True)
+    place_of = {number: place for place, number in enumerate(listed.number)}
+    for row in table.itertuples():
+        place, colour = place_of[row.number], VERDICT_COLOURS.get(row.verdict, GREY)
+        if not row.whole:
+            ax.plot(row.value, place, "|", ms=5, mew=0.8, color=colour, alpha=0.6)
+            continue
+        ax.errorbar(row.value, place, xerr=[[row.value - row.low], [row.high - row.value]], fmt="o", ms=3.5, lw=1.1,
+                    capsize=1.5, color=colour)
+        ax.plot(row.paper, place, "D", ms=3.5, mew=0.9, color="#444444", mfc="white", zorder=4)
+    for place in np.flatnonzero(listed.figure != listed.figure.shift())[1:]:
+        ax.axhline(place - 0.5, color="#DDDDDD", lw=0.7)
+    ax.set_yticks(range(len(listed)), [f"{row.claim if len(row.claim) <= 52 else row.claim[:50].rstrip() + ' ...'}  "
+                                       f"{row.number}" for row in listed.itertuples()])
+    ax.set_ylim(max(len(listed), 1) - 0.5, -0.5)
+    ax.axvline(0, color="black", lw=0.8)
+
+
+def forest_entries(verdicts: Sequence[str]) -> list[Line2D]:
+    """What a legend of `forest` shows: a colour a verdict that is there, and the paper's diamond."""
+    there = [Line2D([], [], marker="o", ms=3.5, lw=1.1, color=colour, label=name)
+             for name, colour in VERDICT_COLOURS.items() if name in verdicts]
+    return [*there, Line2D([], [], ls="none", marker="D", ms=3.5, mew=0.9, color="#444444", mfc="white", label="paper")]
 
 
 def efficiencies(table: pd.DataFrame, ax: Axes) -> None:

@@ -1,0 +1,404 @@
+"""What a claim is about, as findings: each function takes the evidence and a quantity of `claims.yaml`.
+
+    rate, failure        a success rate, or the share that fails
+    difference           the rate where `one` holds minus that where `other` does, for each of several things
+    mean_difference      the mean of such differences over fixed things
+    relative_gain        the mean rate of `one` over that of `other`, minus 1
+    budgets              a difference at every budget of figure 4
+    data_efficiency      static's timesteps over MOVE's for the same success
+    near_minus_far       success near the grasp points minus far from them
+    decay                the factor that the first random things cost, minus the factor of the next
+    ladder               each rung of figure 6 against the one before, and the trend over all
+    speeds               how much success changes over the whole range of a speed
+    coverage             cells of a range that demonstrations visit
+    lengths, generation  timesteps and success of demonstrations (table 6)
+    robot                a difference of the paper's real-robot trials (table 3)
+    printed_ratio        what the paper's own table gives
+    untested             nothing here decides it
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from scipy import stats
+
+from move import paper
+from move.claims.claims import Claim, Quantity, Where
+from move.claims.evidence import Evidence, region, runs_of
+from move.claims.needed import Trials
+from move.claims.rule import NAN, TWO_SIDED, Contradiction, Finding, Item, Missing, Untested
+from move.realworld.trials import compare
+from move.sim.collection import Collection, Method
+from move.sim.coverage import PARTS, configurations, visited_share
+from move.sim.tasks import TASKS, get_task
+from move.statistics.cells import by_budget, successes
+from move.statistics.data_efficiency import Efficiency, data_efficiency
+from move.statistics.estimates import (
+    Estimate,
+    contrast,
+    difference,
+    mean_difference,
+    relative_gain,
+    success_rate,
+    unpaired_difference,
+)
+from move.statistics.intervals import CONFIDENCE
+
+Find = Callable[[Evidence, Quantity, str], list[Item]]
+QUANTITIES: dict[str, Find] = {}
+
+
+def quantity(name: str) -> Callable[[Find], Find]:
+    """Register a function of the evidence, the quantity and the experiment whose runs count."""
+
+    def register(function: Find) -> Find:
+        QUANTITIES[name] = function
+        return function
+
+    return register
+
+
+def findings(claim: Claim, evidence: Evidence) -> list[Item]:
+    """Everything that a claim is decided by."""
+    return [item for each in claim.findings
+            for item in QUANTITIES[each.quantity](evidence, each, each.experiment or claim.figure)]
+
+
+def repetitions(each: Quantity) -> list[Where]:
+    """What is added to `where` for each number, such as its task; a single empty one where there is one number."""
+    columns = list(each.each)
+    return [dict(zip(columns, values, strict=True)) for values in zip(*each.each.values(), strict=True)] or [{}]
+
+
+def named(each: Quantity, where: Where) -> str:
+    """The name of one number: `what`, with a task's title and other columns filled in."""
+    words = {name: TASKS[value].title if name == "task" else f"{value:,}" if isinstance(value, int) else value
+             for name, value in where.items()}
+    return each.what.format(**words)
+
+
+def printed(each: Quantity, place: int) -> dict[str, Any]:
+    """The paper's value of one number of several and half of its 95 % interval, of its episodes alone."""
+    theirs = each.paper
+    if theirs.value:
+        return {"paper": theirs.value[min(place, len(theirs.value) - 1)]}
+    if not theirs.one:
+        return {}
+    one, other = (rates[min(place, len(rates) - 1)] if rates else 0.0 for rates in (theirs.one, theirs.other))
+    return {"paper": one - other, "paper_half_width": half_width([one], [other], theirs.episodes)}
+
+
+def half_width(one: list[float], other: list[float], episodes: int) -> float:
+    """Half the 95 % interval of a difference of means of printed rates, as far as their episodes tell."""
+    if not episodes:
+        return 0.0
+    return TWO_SIDED * float(np.sqrt(sum(_variance(rates, episodes) for rates in (one, other))))
+
+
+def _variance(rates: list[float], episodes: int) -> float:
+    """Of the mean of printed rates, each of so many episodes."""
+    return sum(rate * (1 - rate) / episodes for rate in rates) / max(len(rates), 1) ** 2
+
+
+@quantity("rate")
+def rates(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
+    """Success rates."""
+    return _rates(evidence, each, experiment, failing=False)
+
+
+@quantity("failure")
+def failures(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
+    """Shares of episodes that fail."""
+    return _rates(evidence, each, experiment, failing=True)
+
+
+def _rates(evidence: Evidence, each: Quantity, experiment: str, failing: bool) -> list[Item]:
+    items: list[Item] = []
+    for place, where in enumerate(repetitions(each)):
+        what, rows = named(each, where), evidence.rows(experiment, each.where, each.one, where)
+        if rows.empty:
+            items.append(evidence.missing(what, experiment, {**each.where, **each.one, **where}))
+            continue
+        cells = 1 - successes(rows) if failing else successes(rows)
+        found = success_rate(cells, evidence.noise(experiment))
+        items.append(evidence.finding(what, found, rows, each, **printed(each, place)))
+    return items
+
+
+def _sides(
+    evidence: Evidence, each: Quantity, experiment: str, where: Where
+) -> tuple[pd.DataFrame, pd.DataFrame] | Missing:
+    """The episodes of both sides, or which of their runs are missing."""
+    sides = [{**each.where, **where, **side} for side in (each.one, each.other)]
+    one, other = (evidence.rows(experiment, side) for side in sides)
+    lacking = [side for side, rows in zip(sides, (one, other), strict=True) if rows.empty]
+    return evidence.missing(named(each, where), experiment, *lacking) if lacking else (one, other)
+
+
+@quantity("difference")
+def differences(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
+    """Differences of rates, paired by configuration unless the option `paired` is false."""
+    estimate = difference if each.options.get("paired", True) else unpaired_difference
+    items: list[Item] = []
+    for place, where in enumerate(repetitions(each)):
+        sides = _sides(evidence, each, experiment, where)
+        if isinstance(sides, Missing):
+            items.append(sides)
+            continue
+        one, other = sides
+        found = estimate(successes(one), successes(other), evidence.noise(experiment))
+        item = evidence.finding(named(each, where), found, pd.concat(sides), each,
+                                room=1 - float(other.success.mean()), **printed(each, place))
+        items.append(replace(item, design=evidence.design(experiment, sides)) if item.answer == "open" else item)
+    return items
+
+
+@quantity("mean_difference")
+def mean(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
+    """The mean of differences over fixed things."""
+    return _over_all(evidence, each, experiment, mean_difference)
+
+
+@quantity("relative_gain")
+def gain(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
+    """The mean rate of one side over that of the other, minus 1."""
+    return _over_all(evidence, each, experiment, relative_gain)
+
+
+def _over_all(
+    evidence: Evidence, each: Quantity, experiment: str, estimate: Callable[..., Estimate]
+) -> list[Item]:
+    sides = [_sides(evidence, each, experiment, where) for where in repetitions(each)]
+    there = [one for one in sides if not isinstance(one, Missing)]
+    if len(there) < len(sides):
+        return [evidence.missing(each.what, experiment, *({**each.where, **where, **side} for where in repetitions(each)
+                                                          for side in (each.one, each.other)))]
+    gain = estimate is relative_gain
+    if gain and not all(any(side.success.any() for side in part) for part in zip(*there, strict=True)):
+        return []  # nothing to be relative to
+    found = estimate([(successes(one), successes(other)) for one, other in there], evidence.noise(experiment))
+    room = NAN if gain else 1 - float(np.mean([other.success.mean() for _, other in there]))
+    theirs = _printed_mean(each, gain)
+    return [evidence.finding(each.what, found, pd.concat([part for pair in there for part in pair]), each, room=room,
+                             **theirs)]
+
+
+def _printed_mean(each: Quantity, gain: bool) -> dict[str, Any]:
+    """The paper's value of a mean over things, from its printed rates."""
+    one, other, episodes = each.paper.one, each.paper.other, each.paper.episodes
+    if not one:
+        return {}
+    first, second = float(np.mean(one)), float(np.mean(other))
+    if not gain:
+        return {"paper": first - second, "paper_half_width": half_width(one, other, episodes)}
+    relative = _variance(one, episodes) / first**2 + _variance(other, episodes) / second**2 if episodes else 0.0
+    return {"paper": first / second - 1, "paper_half_width": TWO_SIDED * first / second * float(np.sqrt(relative))}
+
+
+@quantity("budgets")
+def budgets(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
+    """A difference at every budget that both sides are asked at."""
+    asked = evidence.asked(experiment)
+    if asked.empty:
+        return [evidence.missing(each.what.format(task="", timesteps=""), experiment, each.where)]
+    both = asked[asked.method == each.one["method"]].merge(asked[asked.method == each.other["method"]],
+                                                           on=["task", "timesteps"])
+    points = both[["task", "timesteps"]].drop_duplicates()
+    return differences(evidence, each.model_copy(update={"each": points.to_dict("list")}), experiment)
+
+
+@quantity("data_efficiency")
+def efficiencies(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
+    """How many times MOVE's timesteps static needs; with the option `trend` their geometric mean as well."""
+    items: list[Item] = []
+    factors: list[Efficiency] = []
+    for place, where in enumerate(repetitions(each)):
+        rows, budget = evidence.rows(experiment, each.where, where), get_task(where["task"]).budget(20_000)
+        curves, what = by_budget(rows), named(each, where)
+        if min(map(len, curves.values())) < 3 or budget not in curves["move"]:
+            items.append(evidence.missing(what, experiment, where))
+            continue
+        found = data_efficiency(curves["static"], curves["move"], budget, evidence.noise(experiment))
+        value, low, high = (found.surely(ratio, each.margin) for ratio in (found.ratio, found.low, found.high))
+        items.append(Finding(what, value, low, high, each.margin, p_value=found.p_value(each.margin),
+                             runs=runs_of(rows), text=str(found), **printed(each, place)))
+        factors.append(found)
+    return [*items, _mean_factor(factors, each.margin)] if each.options.get("trend") and factors else items
+
+
+def _mean_factor(factors: Sequence[Efficiency], above: float) -> Finding:
+    """The geometric mean of factors; one that is "more than" counts as that bound, which makes the mean smaller."""
+    value = np.exp(np.mean([np.log(min(found.ratio, found.most)) for found in factors]))
+    draws = np.exp(np.mean([np.log(np.minimum(found.draws, found.most)) for found in factors], axis=0))
+    low, high = np.quantile(draws, [(1 - CONFIDENCE) / 2, (1 + CONFIDENCE) / 2])
+    return Finding(f"geometric mean of {len(factors)}, \"more than\" taken as the bound", float(value), float(low),
+                   float(high), above, trend=True)
+
+
+def _over_seeds(what: str, values: Sequence[float], each: Quantity, runs: tuple[str, ...] = (),
+                **more: Any) -> Finding:
+    """A number that each seed gives for itself, three or more: Student's interval of its mean."""
+    mean, error = float(np.mean(values)), max(float(stats.sem(values)), 1e-3)
+    low, high = stats.t.interval(CONFIDENCE, len(values) - 1, mean, error)
+    return Finding(what, mean, float(low), float(high), **region(each), runs=runs, **more)
+
+
+@quantity("near_minus_far")
+def near_minus_far(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
+    """Success where `one` holds minus that where `other` does, at other places of the same trainings."""
+    rows = evidence.rows(experiment, each.where)
+    if rows.empty or rows.seed.nunique() < 3:
+        return [evidence.missing(each.what, experiment, each.where)]
+    near, far = (evidence.rows(experiment, each.where, side).groupby("seed").success.mean()
+                 for side in (each.one, each.other))
+    return [_over_seeds(each.what, list(near - far), each, runs_of(rows))]
+
+
+@quantity("decay")
+def decay(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
+    """The factor from the first of `factors` to the second minus that from the second to the third, seed by seed."""
+    rows = evidence.rows(experiment, each.where)
+    rates = rows.groupby(["seed", "factors"]).success.mean().unstack() if len(rows) else pd.DataFrame()
+    first, second, third = each.options["factors"]
+    if len(rates) < 3 or not {first, second, third} <= set(rates):
+        return [evidence.missing(each.what, experiment, each.where)]
+    steps = rates[second] / rates[first] - rates[third] / rates[second]
+    what = f"{each.what} (with the {first} alone at {rates[first].mean():.2f})"
+    return [_over_seeds(what, list(steps), each, runs_of(rows))]
+
+
+@quantity("ladder")
+def ladder(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
+    """Each rung against the one before, and for each task the slope over all rungs as the trend."""
+    items: list[Item] = []
+    asked = evidence.asked(experiment)
+    for where in repetitions(each):
+        task = TASKS[where["task"]].title
+        mine = asked[asked.task == where["task"]].moves.unique() if len(asked) else []
+        rungs = [name for name in mine if "alone" not in name]
+        rows = {rung: evidence.rows(experiment, where, {"moves": rung}) for rung in rungs}
+        if not rungs or any(part.empty for part in rows.values()):
+            return [evidence.missing(f"{task}, {each.what}", experiment, where)]
+        for less, more in zip(rungs, rungs[1:], strict=False):
+            step = each.model_copy(update={"one": {"moves": more}, "other": {"moves": less}, "where": where,
+                                           "each": {}, "what": f"{task}, {more} minus {less}"})
+            items += differences(evidence, step, experiment)
+        cells, weights = [successes(rows[rung]) for rung in rungs], _slope(np.arange(len(rungs)))
+        found = contrast(cells, weights, evidence.noise(experiment))
+        items.append(evidence.finding(f"{task}, slope a rung", found, pd.concat(rows.values()), each, trend=True))
+    return items
+
+
+def _slope(places: np.ndarray) -> list[float]:
+    """The weights with which values at `places` give the slope of a straight line through them."""
+    centred = places - places.mean()
+    return list(centred / (centred**2).sum())
+
+
+@quantity("speeds")
+def speeds(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
+    """How much success changes from the slowest to the fastest, along a straight line over the logarithm."""
+    items: list[Item] = []
+    for where in repetitions(each):
+        rows, what = evidence.rows(experiment, each.where, where), named(each, where)
+        asked = evidence.asked(experiment)
+        wanted = sorted(asked[(asked.task == where["task"]) & (asked.part == where["part"])].speed.unique()
+                        ) if len(asked) else []
+        there = {speed: successes(part) for speed, part in rows.groupby("speed")} if len(rows) else {}
+        if len(there) < 3 or set(wanted) - set(there):
+            items.append(evidence.missing(what, experiment, where))
+            continue
+        logs = np.log(sorted(there))
+        weights = [(logs[-1] - logs[0]) * weight for weight in _slope(logs)]
+        found = contrast([there[speed] for speed in sorted(there)], weights, evidence.noise(experiment))
+        items.append(evidence.finding(what, found, rows, each))
+    return items
+
+
+@quantity("coverage")
+def coverage(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
+    """Shares of cells seen, MOVE minus another; needs no stored run: demonstrations are made here, in seconds."""
+    timesteps, other = each.options["timesteps"], each.other["method"]
+    return [_over_seeds(f"cells of the {part} seen in {timesteps:,} timesteps, MOVE minus {other}",
+                        [_share("move", part, timesteps, seed) - _share(other, part, timesteps, seed)
+                         for seed in range(3)], each) for part in PARTS]
+
+
+@cache
+def _seen(method: Method, timesteps: int, seed: int) -> pd.DataFrame:
+    return configurations(Collection(task="pick-place", method=method, timesteps=timesteps), seed)
+
+
+def _share(method: Method, part: str, timesteps: int, seed: int) -> float:
+    return visited_share(_seen(method, timesteps, seed), get_task("pick-place"), part)
+
+
+@quantity("lengths")
+def lengths(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
+    """MOVE's mean length of a demonstration over static's, minus 1: of these tasks, over their demonstrations."""
+    made = _made(evidence, each, experiment)
+    if isinstance(made, Missing):
+        return [made]
+    means = [[rows[rows.success.astype(bool)].steps for rows in side] for side in made]
+    logs, variances = zip(*((np.log(np.mean([part.mean() for part in side])),
+                             sum(part.var() / len(part) for part in side) / sum(part.mean() for part in side) ** 2)
+                            for side in means), strict=True)
+    ratio, half = np.exp(logs[0] - logs[1]), TWO_SIDED * np.sqrt(sum(variances))
+    return [Finding(each.what, float(ratio - 1), float(ratio * np.exp(-half) - 1), float(ratio * np.exp(half) - 1),
+                    **region(each), runs=runs_of(*made[0], *made[1]), **printed(each, 0))]
+
+
+@quantity("generation")
+def generation(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
+    """Shares of attempts that succeed, means of these tasks, minus the paper's."""
+    made = _made(evidence, each, experiment)
+    if isinstance(made, Missing):
+        return [made]
+    items: list[Item] = []
+    for method, side, theirs in zip(("MOVE", "static"), made, each.paper.value, strict=True):
+        rates = [rows.success.astype(float) for rows in side]
+        mean = float(np.mean([part.mean() for part in rates]))
+        half = TWO_SIDED * float(np.sqrt(sum(part.var() / len(part) for part in rates))) / len(rates)
+        items.append(Finding(f"{method}, {each.what}", mean, mean - half, mean + half, theirs - each.margin,
+                             theirs + each.margin, theirs, theirs, runs=runs_of(*side)))
+    return items
+
+
+def _made(evidence: Evidence, each: Quantity, experiment: str) -> list[list[pd.DataFrame]] | Missing:
+    """Attempts at demonstrations, one table a task, of both sides."""
+    sides = [{**each.where, **side} for side in (each.one, each.other)]
+    made = [[evidence.rows(experiment, side, where) for where in repetitions(each)] for side in sides]
+    if any(rows.empty for side in made for rows in side):
+        return evidence.missing(each.what, experiment, *sides)
+    return made
+
+
+@quantity("robot")
+def robot(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
+    """A difference of two cells of table 3: Newcombe's interval decides, and Barnard's exact p is told."""
+    counts = paper.TABLE3_REAL.astype({"timesteps": int}).set_index(["timesteps", "method"]).successes
+    one, other = (int(counts[side["timesteps"], side["method"]]) for side in (each.one, each.other))
+    found = compare((other, paper.REAL_TRIALS), (one, paper.REAL_TRIALS))
+    what = f"{each.what}, {one} and {other} of {paper.REAL_TRIALS} trials, Barnard's exact p {found['barnard']:.3f}"
+    return [Finding(what, found["difference"], found["low"], found["high"], **region(each),
+                    design=Trials(one / paper.REAL_TRIALS, other / paper.REAL_TRIALS))]
+
+
+@quantity("printed_ratio")
+def printed_ratio(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
+    """A ratio that the paper says and those that its table of scores gives."""
+    scores = paper.published("table3_real_robot", "score").set_index(["condition", "method"]).value
+    ratios = tuple(float(scores[size, "move"] / scores[size, "static"]) for size in ("35000", "75000"))
+    return [Contradiction(each.paper.value[0], ratios, each.what)]
+
+
+@quantity("untested")
+def untested(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
+    """Why nothing here decides it."""
+    return [Untested(each.what, bool(each.options.get("testable")))]
