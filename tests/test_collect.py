@@ -1,5 +1,7 @@
 """Collection: exact budgets, staged motions, ADC's jumps, grasp points, and the expert over the wide range."""
 
+from itertools import islice
+
 import numpy as np
 import pytest
 from pydantic import ValidationError
@@ -136,6 +138,15 @@ def test_grasp_points_are_the_same_for_every_method_and_on_their_figure():
     distances = [np.hypot(x + 0.05, y - 0.65) for x, y, _ in circle_points(TASK)]
     assert distances == pytest.approx([0.15] * 20)
     assert grasp_point("dense", TASK, 3, 1) == grasp_point("dense", TASK, 3, 1) != grasp_point("dense", TASK, 4, 1)
+
+
+def test_dense_grasp_points_are_others_for_every_seed_and_every_demonstration():
+    points = {grasp_point("dense", TASK, index, seed) for index in range(20) for seed in range(5)}
+    assert len(points) == 100 and all(TASK.object_range.contains(point) for point in points)
+    collected = [[episode.grasp.object_position for episode in islice(attempts(plan(
+        method="static", protocol="dense", factors="object"), seed), 2)] for seed in (0, 1)]
+    apart = np.abs(np.array(collected[0]) - collected[1])[:, :2].max(axis=1)
+    assert (apart > 0.004).all(), "farther than a grasp is from its point"
 
 
 def test_motion_inside_the_circle_stays_inside_and_arrives():

@@ -1,5 +1,7 @@
 """What a policy sees in an evaluation, what counts as success, and which configurations are tried."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 import recipes
@@ -29,6 +31,19 @@ class Recorder:
         done = len(self.shown) * self.action_steps
         self.shown.append(observations.copy())
         return np.stack([self.script[done : done + self.action_steps]] * len(running))
+
+
+def test_policies_of_two_seeds_act_with_other_noise_and_of_one_seed_with_the_same():
+    drawn = {}
+    for name, seed in (("one", 0), ("again", 0), ("other", 1)):
+        policy = SimpleNamespace(training_settings=recipes.keypoints(), act=lambda observations, noise: noise)
+        agent, scenes = PolicyAgent(policy, seed), [SimpleNamespace(task=TASK)] * 3
+        agent.start(scenes)
+        drawn[name] = [agent.act([0, 1, 2], scenes, np.zeros(1)) for _ in range(2)]
+    assert all((one == again).all() for one, again in zip(drawn["one"], drawn["again"], strict=True))
+    assert not any(np.isin(one, other).any() for one in drawn["one"] for other in drawn["other"])
+    first, second = drawn["one"]
+    assert not (first == second).any() and not (first[0] == first[1]).any(), "nor twice the same in one evaluation"
 
 
 # what is seen --------------------------------------------------------------------------------------------------------

@@ -82,6 +82,8 @@ def test_the_files_are_those_of_lerobot_v3(tmp_path):
     columns = {name for name, feature in info["features"].items() if feature["dtype"] != "video"}
     assert set(table.column_names) == columns and table.num_rows == 20
     assert table["frame_index"].to_pylist() == [*range(7), *range(5), *range(8)]
+    assert table["timestamp"].to_pylist() == pytest.approx(
+        [frame / 80 for frame in table["frame_index"].to_pylist()], abs=1e-6), "each episode begins at 0 s"
     assert table["action"].type.list_size == 4 and np.ptp(np.vstack(table["observation.state"].to_numpy())) == 0
     rows = pq.read_table(out / exporting.EPISODES).to_pylist()
     assert [row["dataset_from_index"] for row in rows] == [0, 7, 12]

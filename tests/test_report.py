@@ -36,15 +36,6 @@ def episodes(rates: dict[str, float], seeds: int = 3, trials: int = 16) -> pd.Da
     ])
 
 
-def test_the_rate_table_counts_each_seed():
-    table = tables.rate_table(episodes({"static": 0.2, "move": 0.8}), ["method"])
-    raw = episodes({"static": 0.2, "move": 0.8}).groupby(["method", "seed"], sort=False).success.mean()
-    assert table.method.tolist() == ["static", "move"]
-    for row in table.itertuples():
-        assert row.seeds == pytest.approx(raw[row.method].tolist(), abs=1e-4)
-        assert row.low <= row.value <= row.high and row.episodes == 48 and row.trainings == "moderated"
-
-
 def test_one_seed_is_judged_by_the_noise_of_cells_with_several_and_an_agent_without_training_by_none():
     several, one = episodes({"static": 0.5}, seeds=4, trials=64), episodes({"move": 0.5, "expert": 0.5}, 1, trials=64)
     several["success"] ^= (several.seed == 0) & (several.trial % 2 == 0)  # a training that is unlike the others
@@ -81,17 +72,6 @@ def test_the_table_over_tasks_has_the_task_as_its_unit():
     assert table.loc["static"].p_value == pytest.approx(2 / 2**4)
     assert "p = 0.125" in differences.spoken_tasks(table.reset_index())
     assert differences.tasks_table(both[both.task == "push"]).empty
-
-
-def test_methods_always_have_the_same_three_colours():
-    rates = tables.rate_table(episodes({"static": 0.2, "adc": 0.5, "move": 0.8}), ["method"])
-    table = tables.with_paper(rates, "fig1_sparse", on=["method"])
-    assert table.paper[[0, 2]].tolist() == [0.295, 0.808] and np.isnan(table.paper[1])
-    _, ax = plt.subplots()
-    plots.rates(table, ax)
-    drawn = [matplotlib.colors.to_hex(bar.get_facecolor()).upper() for bar in ax.patches]
-    assert drawn == [style.COLOURS[name] for name in ("static", "adc", "move")]
-    assert [bar.get_height() for bar in ax.patches] == pytest.approx(table.value.tolist())
 
 
 def test_the_heatmap_shows_each_cell_where_its_object_was():
@@ -220,24 +200,6 @@ def test_it_tells_what_a_policy_loses_away_from_its_own_grasps():
     assert [line.get_ydata()[0] for line in hollow] == [0.75]  # and none for MOVE, whose own is missing
 
 
-def test_the_recipes_table_compares_each_change_with_the_chosen_one():
-    labelled = experiments.table_recipe(load_profile("laptop"), timesteps=(7000,), episodes=20)
-    outcomes = [[True] * 18 + [False] * 2, [False] * 20, *[[True] * 20] * (len(labelled) - 2)]
-    runs = [results.Result(run.spec, [{"trial": number, "group": "own", "success": success}
-                                  for number, success in enumerate(successes)],
-                           None, {"curve": [(100, 0.5), (200, 0.1)]}, {"train": 120.0}, {}, run.labels)
-            for run, successes in zip(labelled, outcomes, strict=True)]
-    table = tables.recipe_table(runs).set_index("change")
-    assert table.loc["chosen", ["train_minutes", "loss", "value", "gain"]].tolist() == [2.0, 0.1, 0.9, 0.0]
-    worse = table.loc["one noise level a window"]
-    assert worse.gain == pytest.approx(-0.9) and worse.gain_high < 0
-    assert table.loc["3 times as long"].gain == pytest.approx(0.1)
-    assert tables.recipe_table(runs[1:]).gain.isna().all()
-    _, ax = plt.subplots()
-    plots.changes(table.reset_index(), ax)
-    assert [label.get_text() for label in ax.get_yticklabels()] == list(table.index)
-
-
 def three_methods(task: str, move: float) -> pd.DataFrame:
     return episodes({"static": 0.2, "adc": 0.5, "move": move}, seeds=3, trials=64).assign(task=task)
 
@@ -269,28 +231,6 @@ def test_the_papers_difference_stands_beside_ours_on_the_same_items():
     compared = differences.difference_table(both, "task", ("static",))
     table = tables.with_paper(compared, "table2_main", on=["task", "baseline"], metric="difference")
     assert table.paper.tolist() == pytest.approx([0.410 - 0.163, 0.309 - 0.156])
-
-
-def test_whether_the_length_of_training_matters_is_the_change_of_the_difference():
-    def cells(length, move):
-        return episodes({"static": 0.3, "move": move}, seeds=2, trials=100).assign(length=length)
-
-    both = pd.concat([pd.concat([cells(1 / 3, 0.3), cells(3.0, late)]).assign(task=task)
-                      for task, late in (("push", 0.9), ("hammer", 0.3))])
-    table = differences.length_matters(both).set_index("task")
-    grid = both.groupby(["task", "length", "method"]).success.mean()
-    for task in ("push", "hammer"):
-        change = [grid[task, length, "move"] - grid[task, length, "static"] for length in (3.0, 1 / 3)]
-        assert table.difference[task] == pytest.approx(change[0] - change[1])
-    assert table.holm["push"] < 0.05 < table.holm["hammer"]
-    assert table.difference["mean of 2"] == pytest.approx(table.difference[:2].mean())
-
-
-def test_the_length_of_a_training_is_told_in_the_recipes_own_steps():
-    profile = load_profile("laptop")
-    for run in experiments.runs("fig_training_length", profile):
-        recipe = profile.recipe("rgb", run.spec.collection.timesteps)
-        assert run.spec.training.gradient_steps / recipe.gradient_steps == pytest.approx(run.labels["length"], abs=1e-3)
 
 
 def test_two_readings_are_compared_on_the_tasks_that_have_both():

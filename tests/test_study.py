@@ -265,6 +265,20 @@ def test_runs_that_differ_in_their_evaluation_share_a_training(tmp_path, stored,
     assert shared.rows == alone.rows and shared.seconds["train"] == stored[0].seconds["train"]
 
 
+@pytest.mark.parametrize("place", ["starts", "grasps"])
+def test_a_policy_is_tried_where_its_own_demonstrations_began_or_where_they_grasped(place, tmp_path, monkeypatch):
+    given, real = [], run.evaluate
+    monkeypatch.setattr(
+        run, "evaluate", lambda *asked, own, **rest: given.extend(own) or real(*asked, own=own, **rest))
+    tried = Evaluation(starts={"starts": "own", "grasps": "grasp"}[place], episodes=1)
+    spec = tiny_spec(method="move", evaluation=tried)
+    done = run.run(spec, tmp_path)
+    _, record = collect(spec.collection, spec.seed)
+    assert record.starts[0].camera_angle != record.grasps[0].camera_angle, "else they could be exchanged"
+    assert given == getattr(record, place)[:1]
+    assert done.rows[0]["camera_angle"] == pytest.approx(getattr(record, place)[0].camera_angle)
+
+
 def test_processes_that_want_the_same_policy_at_once_both_end(tmp_path):
     specs = [tiny_spec(evaluation=Evaluation(episodes=count)) for count in (1, 2)]
     there, missing = execute.execute(specs, tmp_path, workers=2, quiet=True)

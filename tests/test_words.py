@@ -62,15 +62,6 @@ def test_over_tasks_the_first_is_move_and_the_second_the_other_method():
     assert differences.spoken_tasks(over.iloc[:0]) == "Fewer than three tasks are stored."
 
 
-def test_differences_at_several_budgets_stand_below_each_other_each_from_its_own_cells():
-    episodes = cells({("push", "static", 1): 0.2, ("push", "move", 1): 0.7, ("push", "static", 3): 0.6,
-                      ("push", "move", 3): 0.5, ("hammer", "static", 1): 0.1, ("hammer", "move", 1): 0.1},
-                     ("task", "method", "length"))
-    table = differences.differences_at(episodes, "length", "task", ("static",))
-    found = {(line.length, line.task): round(line.difference, 6) for line in table.itertuples()}
-    assert found == {(1, "push"): 0.5, (1, "hammer"): 0.0, (3, "push"): -0.1}
-
-
 def test_every_reading_is_held_against_the_one_as_printed_where_both_are():
     episodes = cells({("rgb", "push", "as printed"): 0.5, ("rgb", "push", "mended"): 0.4,
                       ("rgb", "hammer", "as printed"): 0.5, ("keypoints", "push", "as printed"): 0.1,
@@ -200,26 +191,12 @@ def test_runs_that_share_a_training_have_its_minutes_once():
     assert "2 runs, 3 minutes in all" in captions.numbers(both, 0, "")  # 60 s once, and twice 60 s
 
 
-def test_demonstrations_are_the_mean_of_the_seeds_of_each_method_and_condition():
-    runs = [run("push", method, seed, size, equal=equal) for seed in (0, 1)
-            for method, size, equal in (("static", 5000, "timesteps"), ("move", 6000, "timesteps"))]
-    table = tables.demonstrations_made(runs, "equal").set_index("method")
-    assert table.demonstrations.to_dict() == {"static": 10.5, "move": 10.5}
-    assert table.timesteps.to_dict() == {"static": 5000, "move": 6000}
-
-
 def test_costs_are_the_median_run_of_a_method_and_budget_in_minutes():
     runs = [run("push", "move", seed) for seed in range(3)]
     runs[2].seconds["train"] = 600.0
     (line,) = tables.run_costs([*runs, run("push", "static")]).query("method == 'move'").to_dict("records")
     assert (line["collect"], line["train"], line["evaluate"], line["whole"]) == (0.5, 1.0, 0.5, 2.0)
     assert (line["runs"], line["all_runs"]) == (3, 15.0)
-
-
-def test_identical_starts_are_never_pooled_with_others():
-    episodes = pd.DataFrame({"hand_spread": [0.03, 0.0, 0.03], "success": [True, False, True]})
-    apart, same = tables.by_hand_start(episodes)
-    assert apart.success.tolist() == [True, True] and same.success.tolist() == [False]
 
 
 def test_pairs_of_real_cells_have_the_methods_names_and_sizes():

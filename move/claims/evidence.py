@@ -21,10 +21,10 @@ from move.sim.grasp_points import CIRCLE
 from move.statistics.estimates import Estimate, TrainingNoise
 from move.study.labels import LabelledRun
 from move.study.profiles import Profile
-from move.study.results import Result, split, table
+from move.study.results import Result, hand_start, split, table
 
 ON_A_GRID = ("fig1_sparse", "few_demonstrations", "fig3_dense", "fig5_circle")
-EPISODE_COLUMNS = ["run", "kind", "task", "method", "observation", "timesteps", "factors", "hand_spread", "seed",
+EPISODE_COLUMNS = ["run", "kind", "task", "method", "observation", "timesteps", "factors", "hand", "seed",
                    "trial", "group", "success", "steps", "object_x", "object_y"]
 
 
@@ -152,5 +152,5 @@ def _row(run: LabelledRun, stored: bool) -> dict[str, Any]:
     return {"run": spec.hash, "stored": stored, "task": spec.task, "method": spec.method, "kind": spec.kind,
             "observation": spec.observation, "timesteps": spec.collection.timesteps if spec.collection else 0,
             "factors": spec.evaluation.factors, "seed": spec.seed,
-            "hand_spread": spec.collection.hand_spread if spec.collection else 0.0,
+            "hand": hand_start(spec),
             "steps": spec.training.gradient_steps if spec.training else 0, **run.labels}
