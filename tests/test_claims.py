@@ -152,9 +152,9 @@ def test_what_is_no_list_of_claims_is_refused_in_one_line(text, complaint):
 
 def test_the_hands_start_is_chosen_in_one_place():
     text = data.FILE.read_text()
-    assert text.count("hand_spread") == 1
-    other = read(text.replace("{hand_spread: 0.03}", "{hand: anywhere}"))
-    chosen_so = {each.number for each in other for one in each.findings if one.where.get("hand") == "anywhere"}
+    assert text.count("hand: anywhere") == 1
+    other = read(text.replace("{hand: anywhere}", "{hand: one place}"))
+    chosen_so = {each.number for each in other for one in each.findings if one.where.get("hand") == "one place"}
     assert {11, 12, 13, 15, 16, 17, 23} <= chosen_so
 
 
