@@ -164,7 +164,7 @@ def test_a_plan_tells_what_a_change_would_cost(capsys):
     def runs(*more: str) -> int:
         return json.loads(move(capsys, "plan", "fig1", "--profile", "smoke", *more, "--json")[1])[0]["runs"]
 
-    assert runs("-p", "seeds=7", "-p", "identical_starts=0") == 14 != runs()
+    assert runs("-p", "seeds=7", "-p", "near_hands=0", "-p", "identical_starts=0", "-p", "lengths=[]") == 14 != runs()
 
 
 @pytest.mark.parametrize("name, message, code, line", [

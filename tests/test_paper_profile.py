@@ -20,6 +20,7 @@ from move.learn.evaluate import Evaluation
 from move.machine import gl_problem
 from move.study import plan, results, run
 from move.study.profiles import load_profile
+from move.study.results import hand_start
 from move.study.spec import RunSpec
 
 
@@ -107,7 +108,7 @@ def test_the_recipe_is_the_papers():
 def test_the_plan_turns_a_measured_step_into_hours(monkeypatch):
     profile = load_profile("paper")
     monkeypatch.setattr(plan, "step_seconds", lambda training, demonstrations: 0.5)
-    specs = [spec for spec in experiments.specs("fig1_sparse", profile) if spec.collection.hand_spread == 0]
+    specs = [spec for spec in experiments.specs("fig1_sparse", profile) if hand_start(spec) == "one place"]
     (row,) = plan.plan_rows(profile, {"fig1_sparse": specs})
     assert row["missing"] == 6 and row["hours_left"] == pytest.approx(6 * 220_000 * 0.5 / 3600, abs=0.01)
     assert ("GPU-hours" if torch.cuda.is_available() else "no GPU here") in plan.plan_title(profile)

@@ -364,8 +364,7 @@ def test_the_how_to_pages_ten_lines_make_a_buffer_of_every_layout(tmp_path, layo
                                                                                            / "from_lerobot.zarr")
     assert made.episode_ends.tolist() == np.cumsum([e.timesteps for e in data.episodes]).tolist()
     np.testing.assert_allclose(made.observations, np.concatenate([e.state for e in data.episodes]), rtol=1e-6)
-    actions = np.concatenate([e.action for e in data.episodes])
-    np.testing.assert_allclose(made.actions, actions / max(1, np.abs(actions).max()), rtol=1e-6)
+    np.testing.assert_allclose(made.actions, np.concatenate([e.action for e in data.episodes]), rtol=1e-6)
 
 
 def test_the_state_of_layouts_without_one_is_all_that_the_arm_told(tmp_path):

@@ -585,7 +585,7 @@ def test_a_profile_leaves_the_notebooks_out_that_have_nothing_to_show_in_it():
     assert set(notebooks.of_profile(load_profile("laptop"))) == set(notebooks.names())
     assert set(notebooks.names()) - set(notebooks.of_profile(load_profile("paper"))) == {"table_recipe"}
     left_out = set(notebooks.names()) - set(notebooks.of_profile(load_profile("laptop-keypoints")))
-    assert left_out == {"table_recipe", "generalization", "fig_training_length", *PIXELS_ALONE}
+    assert left_out == {"table_recipe", "generalization", "fig_training_length", "gap", *PIXELS_ALONE}
     with pytest.raises(BadInput, match="profile paper: has no runs of this figure"):
         page.load_or_run([], load_profile("paper"))
 

@@ -94,6 +94,6 @@ def _run(
         base = partial(base, **{"task": "pick-place", "protocol": "sparse", "points": "sparse", "starts": "grid",
                                 "grid_side": grid_side})
         settings = {"factors": "object", "hand_spread": 0.03, **settings}
-    run = LabelledRun(base(**settings), {"case": case, "setting": name, "method": method})
+    run = LabelledRun(base(**settings), {"case": case, "setting": name, "seed": seed, "method": method})
     listed = name == LISTED or (name == TOGETHER and case != GRASPS)
     return run.tried(Evaluation(starts="listed")) if listed else run

@@ -112,6 +112,8 @@ COLUMNS: dict[str, tuple[str, Cell]] = {
     "mean_difference": ("Mean (points)", _points), "iqm_first": ("IQM, MOVE (%)", _percent),
     "iqm_second": ("IQM, other (%)", _percent), "iqm_difference": ("IQM (points)", _points),
     "improvement": ("MOVE better (%)", _percent), "p_value": ("p", _probability), "rate": ("Success (%)", _percent),
+    "case": ("Case", _task), "setting": ("Setting", str), "step": ("Step", str), "start": ("From (%)", _percent),
+    "effect": ("Switched alone (points)", _points), "hand": ("Hand's start", str),
     "number": ("No.", str), "claim": ("Claim", str),
     "first": ("First", str), "second": ("Second", str), "fisher": ("p, Fisher", _probability),
     "barnard": ("p, Barnard", _probability), "base": ("Base (%)", _percent), "trials": ("Trials", _count),
@@ -121,7 +123,8 @@ COLUMNS: dict[str, tuple[str, Cell]] = {
 
 INTERVALS = {"value": ("low", "high"), "difference": ("low", "high"), "ratio": ("low", "high"), "rate": ("low", "high"),
              "generation_rate": ("low", "high"), "mean_difference": ("low", "high"),
-             "gain": ("gain_low", "gain_high"), "improvement": ("improvement_low", "improvement_high"),
+             "gain": ("gain_low", "gain_high"), "effect": ("effect_low", "effect_high"),
+             "improvement": ("improvement_low", "improvement_high"),
              "iqm_difference": ("iqm_low", "iqm_high")}
 """Whose interval stands in which columns."""
 
