@@ -42,7 +42,11 @@ ROUNDED = 1e-4  # of a number in a CSV file
 NAMES = {"static": "static", "adc": "ADC", "move": "MOVE", "mixture": "mixture"}
 COLOURS = {"static": "#0072b2", "adc": "#e69f00", "move": "#d55e00", "mixture": "#009e73"}
 TITLES = {name: task.title for name, task in TASKS.items()}
-APART, ALIKE = {"hand_spread": 0.03}, {"hand_spread": 0.0}  # where the hand starts in figures 1, 3 and 5
+ANYWHERE = {"hand": "anywhere", "group": "grid"}  # where the hand starts in figures 1, 3 and 5
+NEAR = {"hand": "within 3 cm", "group": "grid"}
+REPEATED = ("fig1_sparse", "few_demonstrations", "fig3_dense", "fig5_circle", "fig_perception", "table1_spatial_factors",
+            "table2_main", "fig6_dimensions", "keypoint_control", "table_keypoint_control")
+"""Whose repeated trainings tell how much trainings differ, wherever a rate is shown."""
 Row = dict[str, Any]
 
 
@@ -72,11 +76,15 @@ class Rates:
     columns: tuple[str, ...]
     fixed: Row = field(default_factory=dict)
     place: str = ""  # or the column that names it
-    noise: str = ""  # "rgb", "keypoints", or "own": pooled over the table's cells
+    noise: str = "rgb"  # how trainings differ: "rgb", "keypoints", the same with " grid", or "own": in its own cells
     more: Callable[[Row], Row] = lambda row: {}
 
     def wanted(self, row: Row) -> Row:
         return {**self.fixed, **{name: row[name] for name in self.columns}, **self.more(row)}
+
+    def law(self, row: Row) -> str:
+        grid = " grid" * (str(row.get("experiment")).startswith("figure"))
+        return row["observation"] + grid if "observation" in row else self.noise
 
     def cell(self, world: World, row: Row) -> np.ndarray:
         return world.cell(self.figure, row[self.place] if self.place in row else self.place, **self.wanted(row))
@@ -102,6 +110,38 @@ def speed(row: Row) -> Row:
     return {"method": "move", **{f"{part}_speed": round(float(each), 6) for part, each in radians.items()}}
 
 
+AUTHORS: dict[str, Row] = {
+    "the package's protocol": {},
+    "hand anywhere": {"hand": "anywhere"},
+    "camera and target": {"fixed": "authors"},
+    "35 steps traced back": {"object_steps": 35},
+    "their 20 configurations": {"group": "listed"},
+    "Meta-World's expert": {"expert": "metaworld"},
+    "crop 60 of 96 px": {"cropped": True},
+    "its failures kept too": {"expert": "metaworld", "keep_failures": True},
+    "shadows, sky, reflections": {"drawing": "full"},
+    "0.33 times the steps": {"length": 0.33},
+    "3 times the steps": {"length": 3.0},
+    "10 times the steps": {"length": 10.0},
+}
+ELSEWHERE = ("their 20 configurations", "all of them together")  # tried at other configurations than the protocol
+TOGETHER = {"expert": "metaworld", "keep_failures": True, "cropped": True, "drawing": "full"}
+
+
+def setting(row: Row) -> Row:
+    """The package's protocol with one setting of the authors', or with all of them; static's object never moves."""
+    usual = {"object_steps": None, "expert": "phase", "keep_failures": False, "cropped": False, "drawing": "plain",
+             "length": 1.0, "fixed": "package"}
+    if row["case"] == "figure 1":
+        usual |= {"protocol": "sparse", "task": "pick-place", "hand": "within 3 cm", "group": "grid"}
+        together = {**TOGETHER, "hand": "anywhere", "fixed": "authors", "object_steps": 35}
+    else:
+        usual |= {"protocol": "random", "task": row["case"], "group": "random"}
+        together = {**TOGETHER, "group": "listed"}
+    found = {**usual, **(together if row["setting"] == "all of them together" else AUTHORS[row["setting"]])}
+    return {**found, "object_steps": None} if row["method"] == "static" else found
+
+
 def experiment(row: Row) -> Row:
     named = {"figure 1": "sparse", "figure 3": "dense", "figure 5": "circle"}
     if row["experiment"] in named:
@@ -118,36 +158,41 @@ def length(row: Row) -> Row:
 
 
 RATES = {
-    "fig1_sparse": Rates("fig1_sparse", ("method",), APART, "grid"),
-    "fig1_sparse_points": Rates("fig1_sparse", ("method",), APART, "point"),
-    "fig1_sparse_identical_starts": Rates("fig1_sparse", ("method",), ALIKE, "grid"),
-    "few_demonstrations": Rates("few_demonstrations", ("method", "timesteps"), {}, "grid"),
-    "few_demonstrations_points": Rates("few_demonstrations", ("method", "timesteps"), {}, "point"),
-    "fig3_dense": Rates("fig3_dense", ("method",), {**APART, "timesteps": 7000}),
-    "fig3_dense_budgets": Rates("fig3_dense", ("method", "timesteps"), APART),
-    "fig3_dense_identical_starts": Rates("fig3_dense", ("method",), ALIKE),
-    "fig5_circle": Rates("fig5_circle", ("method",), APART, "where"),
-    "fig5_circle_points": Rates("fig5_circle", ("method",), APART, "point"),
-    "fig5_circle_identical_starts": Rates("fig5_circle", ("method",), ALIKE, "where"),
+    "fig1_sparse": Rates("fig1_sparse", ("method",), ANYWHERE, "grid", "rgb grid"),
+    "fig1_sparse_points": Rates("fig1_sparse", ("method",), ANYWHERE, "point", "rgb grid"),
+    "fig1_sparse_hand": Rates("fig1_sparse", ("hand", "method"), {"group": "grid"}, "grid", "rgb grid"),
+    "fig1_sparse_length": Rates("fig1_sparse", ("method",), {**ANYWHERE, "group": "own"}, "", "rgb grid", length),
+    "few_demonstrations": Rates("few_demonstrations", ("method", "timesteps"), ANYWHERE, "grid", "rgb grid"),
+    "few_demonstrations_points": Rates("few_demonstrations", ("method", "timesteps"), ANYWHERE, "point", "rgb grid"),
+    "fig3_dense": Rates("fig3_dense", ("method",), {**ANYWHERE, "timesteps": 7000}, "", "rgb grid"),
+    "fig3_dense_hand": Rates("fig3_dense", ("hand", "method"), {"timesteps": 7000}, "", "rgb grid"),
+    "fig3_dense_budgets": Rates("fig3_dense", ("method", "timesteps"), ANYWHERE, "", "rgb grid"),
+    "fig3_dense_near_budgets": Rates("fig3_dense", ("method", "timesteps"), NEAR, "", "rgb grid"),
+    "fig5_circle": Rates("fig5_circle", ("method",), ANYWHERE, "where", "rgb grid"),
+    "fig5_circle_points": Rates("fig5_circle", ("method",), ANYWHERE, "point", "rgb grid"),
+    "fig5_circle_hand": Rates("fig5_circle", ("hand", "method"), {}, "where", "rgb grid"),
     "table1_spatial_factors": Rates("table1_spatial_factors", ("method", "factors")),
-    "table2_main": Rates("table2_main", ("method", "task"), {"observation": "rgb"}, noise="rgb"),
+    "table2_main": Rates("table2_main", ("method", "task"), {"observation": "rgb"}),
     "table2_main_keypoints": Rates("table2_main", ("method", "task"), {"observation": "keypoints"}, noise="keypoints"),
-    "generalization_rates": Rates("generalization", ("method", "task", "group"), noise="rgb"),
-    "fig4_scaling": Rates("fig4_scaling", ("method", "task", "timesteps"), noise="rgb"),
-    "fig6_dimensions": Rates("fig6_dimensions", ("task",), noise="rgb", more=moving),
-    "fig7_speed": Rates("fig7_speed", ("task",), noise="rgb", more=speed),
-    "fig_speed_law": Rates("fig_speed_law", ("law",), noise="rgb"),
-    "fig_mixture": Rates("fig_mixture", ("share",), noise="rgb"),
-    "fig_training_length": Rates("fig_training_length", ("method", "task"), noise="own", more=length),
-    "equal_demonstrations": Rates("equal_demonstrations", ("method",), noise="rgb", more=budget),
-    "fig_perception": Rates("fig_perception", ("method", "observation"), noise="own", more=experiment),
-    "fig_coverage": Rates("fig_coverage", ("task",), noise="rgb", more=moving),
-    "table_adc": Rates("table_adc", ("observation", "task", "jumping"), noise="own"),
-    "keypoint_control": Rates("keypoint_control", ("method", "timesteps")),
-    "table_keypoint_control": Rates("table_keypoint_control", ("method", "task"), {"timesteps": 2500}),
-    "table_keypoint_control_larger": Rates("table_keypoint_control", ("method", "task"), {"timesteps": 10_000}),
+    "generalization_rates": Rates("generalization", ("method", "task", "group")),
+    "fig4_scaling": Rates("fig4_scaling", ("method", "task", "timesteps")),
+    "fig6_dimensions": Rates("fig6_dimensions", ("task",), more=moving),
+    "fig7_speed": Rates("fig7_speed", ("task",), more=speed),
+    "fig_speed_law": Rates("fig_speed_law", ("law",)),
+    "fig_mixture": Rates("fig_mixture", ("share",)),
+    "fig_training_length": Rates("fig_training_length", ("method", "task"), more=length),
+    "equal_demonstrations": Rates("equal_demonstrations", ("method",), more=budget),
+    "fig_perception": Rates("fig_perception", ("method", "observation"), more=experiment),
+    "fig_coverage": Rates("fig_coverage", ("task",), more=moving),
+    "table_adc": Rates("table_adc", ("observation", "task", "jumping")),
+    "keypoint_control": Rates("keypoint_control", ("method", "timesteps"), noise="keypoints"),
+    "table_keypoint_control": Rates("table_keypoint_control", ("method", "task"), {"timesteps": 2500},
+                                    noise="keypoints"),
+    "table_keypoint_control_larger": Rates("table_keypoint_control", ("method", "task"), {"timesteps": 10_000},
+                                           noise="keypoints"),
+    "gap": Rates("gap", ("method",), {}, "", "own", setting),
 }
-NOT_AT_POINTS = ("fig_perception",)  # which tries grids alone where there are points, too
+NOT_AT_POINTS = ("fig_perception", "gap")  # which tries grids alone where there are points, too
 
 
 def rows_of(world: World, name: str) -> list[Row]:
@@ -160,41 +205,37 @@ def rows_of(world: World, name: str) -> list[Row]:
 def cell(world: World, name: str, row: Row) -> np.ndarray:
     """The planted cell of a row of a table of rates."""
     rates = RATES[name]
-    if name in NOT_AT_POINTS and not row["experiment"].startswith("table"):
+    if name in NOT_AT_POINTS and "figure" in str(row.get("experiment", row.get("case"))):
         return world.cell(rates.figure, "grid", **rates.wanted(row))
     return rates.cell(world, row)
 
 
 def noise(world: World, kind: str, cells: Sequence[np.ndarray] = ()) -> estimates.TrainingNoise:
-    """How much trainings differ: in table 2 from pixels, in its control from keypoints, or in the cells given."""
-    if kind == "own":
-        return estimates.pooled_noise(cells)
-    return _known_noise(world, kind)
+    """How much trainings differ: the law of all repeated ones like these, or of the cells given."""
+    return estimates.training_noise_of(cells) if kind == "own" else _law(world, kind)
 
 
 @functools.cache
-def _known_noise(world: World, kind: str) -> estimates.TrainingNoise:
-    if kind == "rgb":
-        return estimates.pooled_noise([world.cell("table2_main", task=task, method=method, observation="rgb")
-                                       for task in PAPER_TASKS for method in ("static", "adc", "move")])
-    if kind == "keypoints":
-        budgets = [(task, 2500) for task in PAPER_TASKS] + [
-            (task, 10_000) for task in ("assembly", "hammer", "basketball")]
-        return estimates.pooled_noise([
-            world.cell("table_keypoint_control", task=task, method=method, timesteps=size)
-            for task, size in budgets for method in ("static", "adc", "move")])
-    return estimates.UNKNOWN
+def _law(world: World, kind: str) -> estimates.TrainingNoise:
+    seen, _, grid = kind.partition(" ")
+    repeated: dict[str, dict[int, list[bool]]] = {}
+    for spec in {spec for name in REPEATED for spec in world.specs[name] if spec.kind == "policy"}:
+        if spec.observation == seen and (spec.evaluation.starts == "grid") == bool(grid):
+            rows = world.results[spec.hash].rows
+            like = repeated.setdefault(spec.model_copy(update={"seed": 0}).hash, {})
+            like[spec.seed] = [row["success"] for row in rows]
+    return estimates.training_noise_of(np.array([*seeds.values()], float) for _, seeds in sorted(repeated.items())
+                                       if len(seeds) > 1)
 
 
 @pytest.mark.parametrize("name", RATES)
 def test_every_rate_of_a_table_is_what_was_planted_there(world, name):
     rows = rows_of(world, name)
     cells = [cell(world, name, row) for row in rows]
-    known = noise(world, RATES[name].noise, cells)
     assert rows, "no row"
     for row, planted in zip(rows, cells, strict=True):
         assert row["value"] == pytest.approx(planted.mean(), abs=ROUNDED), row
-        expected = estimates.success_rate(planted, known)
+        expected = estimates.success_rate(planted, noise(world, RATES[name].law(row), cells))
         assert (row["low"], row["high"]) == pytest.approx((expected.low, expected.high), abs=ROUNDED), row
         if "seeds" in row:
             seeds = [float(each) for each in str(row["seeds"]).split()]
@@ -218,7 +259,7 @@ def test_no_two_columns_of_cells_are_alike(world, name):
 def alike(world: World, name: str, rows: list[Row]) -> list[tuple[str, Any, Any]]:
     """Two values of a column, such as two methods, that have the same rates whatever the rest is."""
     keys = [key for key in (*RATES[name].columns, RATES[name].place, "moves", "part", "speed", "length", "equal",
-                            "experiment") if key in rows[0]]
+                            "experiment", "case", "setting") if key in rows[0]]
     cells = [({key: row[key] for key in keys}, cell(world, name, row).mean()) for row in rows]
     same: dict[tuple[str, Any, Any], list[bool]] = {}
     for place, (one, value) in enumerate(cells):
@@ -239,7 +280,6 @@ class Differences:
     rates: str
     column: str = "method"  # that the baseline names; MOVE against it where it is the method
     holm: tuple[str, ...] = ("baseline",)
-    noise: str = ""
     paired: bool = True
 
     @property
@@ -255,26 +295,28 @@ class Differences:
 
 
 DIFFERENCES = {
-    "fig1_sparse_difference": Differences("fig1_sparse"),
+    "fig1_sparse_difference": Differences("fig1_sparse_hand"),
     "few_demonstrations_differences": Differences("few_demonstrations"),
-    "fig3_dense_difference": Differences("fig3_dense"),
+    "fig3_dense_difference": Differences("fig3_dense_hand"),
     "fig3_dense_budgets_difference": Differences("fig3_dense_budgets"),
-    "fig5_circle_differences": Differences("fig5_circle"),
+    "fig3_dense_near_budgets_difference": Differences("fig3_dense_near_budgets"),
+    "fig5_circle_differences": Differences("fig5_circle_hand", holm=("hand",)),
     "table1_spatial_factors_differences": Differences("table1_spatial_factors"),
     "table1_spatial_factors_lost": Differences("table1_spatial_factors", "factors", paired=False),
-    "table2_main_differences": Differences("table2_main", noise="rgb"),
-    "table2_main_differences_keypoints": Differences("table2_main_keypoints", noise="keypoints"),
-    "generalization_differences": Differences("generalization_rates", noise="rgb"),
-    "fig6_dimensions_steps": Differences("fig6_dimensions", "moves", ("task",), "rgb"),
-    "fig7_speed_ends": Differences("fig7_speed", "speed", ("task", "part"), "rgb"),
-    "fig_mixture_gains": Differences("fig_mixture", "share", (), "rgb"),
-    "fig_speed_law_others": Differences("fig_speed_law", "law", (), "rgb"),
-    "equal_demonstrations_differences": Differences("equal_demonstrations", noise="rgb"),
-    "fig_training_length_differences": Differences("fig_training_length", holm=("length",), noise="own"),
+    "table2_main_differences": Differences("table2_main"),
+    "table2_main_differences_keypoints": Differences("table2_main_keypoints"),
+    "generalization_differences": Differences("generalization_rates"),
+    "fig6_dimensions_steps": Differences("fig6_dimensions", "moves", ("task",)),
+    "fig7_speed_ends": Differences("fig7_speed", "speed", ("task", "part")),
+    "fig_mixture_gains": Differences("fig_mixture", "share", ()),
+    "fig_speed_law_others": Differences("fig_speed_law", "law", ()),
+    "equal_demonstrations_differences": Differences("equal_demonstrations"),
+    "fig_training_length_differences": Differences("fig_training_length", holm=("length",)),
     "fig_perception_differences_rgb": Differences("fig_perception"),
     "fig_perception_differences_keypoints": Differences("fig_perception"),
     "keypoint_control_differences": Differences("keypoint_control"),
     "table_keypoint_control_differences": Differences("table_keypoint_control"),
+    "gap_leads": Differences("gap", holm=("case",)),
 }
 
 
@@ -293,8 +335,8 @@ def test_every_difference_is_the_first_cell_minus_the_second(world, name):
     found: dict[tuple, list[tuple[Row, float]]] = {}
     for row in rows:
         one, other = table.cells(world, row)
-        pooled = [each for like in rows if like.get("length") == row.get("length") for each in table.cells(world, like)]
-        known = noise(world, table.noise, pooled)
+        pooled = [each for like in rows if like.get("case") == row.get("case") for each in table.cells(world, like)]
+        known = noise(world, RATES[table.rates].law(row), pooled)
         compare = estimates.difference if table.paired else estimates.unpaired_difference
         expected = compare(one, other, known)
         assert row["difference"] == pytest.approx(one.mean() - other.mean(), abs=ROUNDED), row
@@ -325,7 +367,7 @@ def test_a_mean_is_over_the_differences_of_its_own_table(world, name):
     assert set(means.index) == {"static", "adc"}
     for baseline, mean in means.iterrows():
         pairs = [table.cells(world, row) for row in rows if row["baseline"] == baseline]
-        expected = estimates.mean_difference(pairs, noise(world, table.noise))
+        expected = estimates.mean_difference(pairs, noise(world, RATES[table.rates].noise))
         assert mean["items"] == len(pairs)
         assert mean.difference == pytest.approx(np.mean([one.mean() - other.mean() for one, other in pairs]),
                                                 abs=ROUNDED)
@@ -602,17 +644,19 @@ def moved(task: str, part: str) -> Callable[[Row], bool]:
     return lambda row: (row["task"], row["part"]) == (task, part)
 
 
+HANDS = {"anywhere": "any-where", "within 3 cm": "within 3 cm", "one place": "one place"}
 LESS = {"object": "object", "object+target": "+ target", "all": "+ camera"}
 READINGS = {"as printed": "#999999", "mended": "#56b4e9", "periodic": "#cc79a7"}
 DIFFERENCE: dict[str, Any] = {"columns": ("difference", "low", "high"), "across": True,
                               "colour": lambda row: {"static": "#000000", "adc": "#777777"}[row["baseline"]]}
 MARKS = [
-    Marks("fig1_sparse", "fig1_sparse", "space", ticks=lambda row: NAMES[row["method"]]),
+    Marks("fig1_sparse", "fig1_sparse_hand", "hand", ticks=lambda row: HANDS[row["hand"]]),
     Marks("few_demonstrations", "few_demonstrations_points", "points", ticks=lambda row: row["timesteps"]),
     Marks("few_demonstrations", "few_demonstrations", "space", ticks=lambda row: row["timesteps"]),
-    Marks("fig3_dense", "fig3_dense", "space", ticks=lambda row: NAMES[row["method"]]),
+    Marks("fig3_dense", "fig3_dense_hand", "hand", ticks=lambda row: HANDS[row["hand"]]),
     Marks("fig3_dense", "fig3_dense_budgets", "budget", ticks=lambda row: row["timesteps"]),
-    Marks("fig5_circle", "fig5_circle", "circle", ticks=lambda row: row["where"]),
+    *[Marks("fig5_circle", "fig5_circle_hand", where, lambda row, where=where: row["where"] == where,
+            lambda row: HANDS[row["hand"]]) for where in ("inside", "outside")],
     Marks("table1_spatial_factors", "table1_spatial_factors", "success", ticks=lambda row: LESS[row["factors"]]),
     Marks("table1_spatial_factors", "table1_spatial_factors_differences", "MOVE",
           ticks=lambda row: LESS[row["factors"]], **DIFFERENCE),
@@ -689,7 +733,7 @@ def test_a_map_shows_each_place_of_its_own_method(world, figure, group, method):
     world.show(figure)
     (ax,) = panels(world, figure, NAMES[method])
     (mesh,) = (part for part in ax.collections if isinstance(part, QuadMesh))
-    runs = world.found(figure, method=method, **APART, **group)
+    runs = world.found(figure, method=method, **{**ANYWHERE, **group})
     rows = pd.concat([pd.DataFrame(run.rows) for run in runs])
     shares = rows[rows.group == "grid"].groupby(["object_y", "object_x"]).success.mean().unstack()
     assert np.asarray(mesh.get_array()).reshape(shares.shape) == pytest.approx(shares.to_numpy())
@@ -801,7 +845,8 @@ def test_an_efficiency_stands_on_the_line_of_its_task(world):
 
 @pytest.mark.parametrize("figure", ["fig1_sparse", "fig3_dense", "fig5_circle", "table1_spatial_factors"])
 def test_the_papers_value_is_dotted_over_the_bar_that_it_is_about(world, figure):
-    rows = [row for row in rows_of(world, figure) if np.isfinite(row["paper"])]
+    table = figure if figure.startswith("table") else f"{figure}_hand"
+    rows = [row for row in rows_of(world, table) if np.isfinite(row["paper"])]
     bars = {(bar.get_x() + bar.get_width() / 2, round(bar.get_height(), 4)): ax for ax in world.figures[figure].axes
             for bar in ax.patches if isinstance(bar, Rectangle)}
     for row in rows:
@@ -869,22 +914,18 @@ def method(*before: str, after: Sequence[str] = ()) -> Callable[[Row], tuple[str
 
 
 SAID = [
-    Said("fig1_sparse", "fig1_sparse", method("Here")),
     Said("fig1_sparse", "fig1_sparse_points", method("points themselves")),
-    Said("fig1_sparse", "fig1_sparse_identical_starts", method("demonstrations:")),
-    Said("fig1_sparse", "fig1_sparse_difference", lambda row: ("MOVE", "minus", "static"), "difference"),
+    Said("fig1_sparse", "fig1_sparse_difference", lambda row: (f"{row['hand']} MOVE", "minus", "static"), "difference"),
     Said("few_demonstrations", "few_demonstrations_points", lambda row: (f"{row['timesteps']:,}", "timesteps"),
          only=lambda row: row["method"] == "static"),
     Said("few_demonstrations", "few_demonstrations_differences", lambda row: (f"{row['timesteps']:,}", "timesteps"),
          "difference"),
-    Said("fig3_dense", "fig3_dense", method("Here")),
-    Said("fig3_dense", "fig3_dense_difference", lambda row: ("MOVE", "minus", "static"), "difference"),
+    Said("fig3_dense", "fig3_dense_difference", lambda row: (f"{row['hand']} MOVE", "minus", "static"), "difference"),
     Said("fig3_dense", "fig3_dense_budgets_difference", lambda row: (f"{row['timesteps']:,}", "timesteps"),
          "difference"),
-    Said("fig3_dense", "fig3_dense_identical_starts", method("start")),
-    Said("fig5_circle", "fig5_circle_differences", lambda row: (row["where"], "MOVE", "static"), "difference"),
+    Said("fig5_circle", "fig5_circle_differences",
+         lambda row: (f"{row['where']}, hand {row['hand']} MOVE", "static"), "difference"),
     Said("fig5_circle", "fig5_circle_points", method("points themselves")),
-    Said("fig5_circle", "fig5_circle_identical_starts", lambda row: (f"{row['where']} {NAMES[row['method']]}",)),
     Said("table1_spatial_factors", "table1_spatial_factors", lambda row: (LESS[row["factors"]],),
          only=lambda row: row["method"] == "static"),
     Said("table1_spatial_factors", "table1_spatial_factors_differences", lambda row: (LESS[row["factors"]] + ":",),
