@@ -30,6 +30,7 @@ from move import paths
 from move.experiments import EXPERIMENTS, runs
 from move.learn.evaluate import starts
 from move.paper import PAPER_TASKS
+from move.report import style
 from move.sim import coverage
 from move.sim.grasp_points import CIRCLE
 from move.sim.motion.adc import JUMPS
@@ -135,7 +136,7 @@ def _share_of_the_gain(spec: PolicyRun, item: int) -> float:
     moving = sum(PARTS[part] for part in made.moving or able) / sum(PARTS[part] for part in able)
     faster = [math.log2(speeds(spec)[part] / usual) for part, usual in speeds().items()]
     law = {"beta": 0.0, "uniform": 0.3, "constant": 0.45}[made.speed_law or "beta"]
-    return moving - sum(max(0.06 * each, -0.04 * each) for each in faster) - law
+    return moving - sum(max(0.12 * each, -0.1 * each) for each in faster) - law
 
 
 def speeds(spec: PolicyRun | None = None) -> dict[str, float]:
@@ -334,10 +335,11 @@ class World:
     def _entered(self) -> Iterator[None]:
         """While notebooks run: results and figures are this world's, nothing is simulated and no picture written."""
 
-        def saved(figure: Figure, target: Any, *_: Any, **__: Any) -> None:
-            if isinstance(target, (str, Path)):
-                Path(target).write_bytes(b"")
-                self.figures[Path(target).stem] = figure
+        def saved(figure: Figure, name: str, folder: Path, caption: Any = None) -> None:
+            self.figures[name] = figure
+            if caption:
+                folder.mkdir(parents=True, exist_ok=True)
+                (folder / f"{name}.caption.md").write_text(caption.markdown(), encoding="utf-8")
 
         def attempts(collection: Any, seed: int, recorder: Any) -> Iterator[SimpleNamespace]:
             recorder.seen = visited(collection, self.turned).to_dict("records")
@@ -350,7 +352,7 @@ class World:
             patch.setattr(paths, "RUNS", self.folder / "build" / "runs")
             patch.setattr(coverage, "collecting_env", lambda collection: gymnasium.Env())
             patch.setattr(coverage, "attempts", attempts)
-            patch.setattr(Figure, "savefig", saved)
+            patch.setattr(style, "save", saved)
             patch.setattr(gc, "collect", lambda *_: 0)  # statsmodels does after every adjustment, a second each time
             patch.setattr(Figure, "get_layout_engine", lambda figure: None)  # nobody looks at where the panels are
             patch.setenv("MOVE_STORED_ONLY", "1")
