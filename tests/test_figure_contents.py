@@ -73,7 +73,7 @@ def mapped(ax: plt.Axes) -> float:
     return float(np.mean(mesh.get_array()))
 
 
-WHOLE = rates({(): 0.4}, ()).assign(paper=[0.295, 0.808])
+WHOLE = rates({("anywhere",): 0.4, ("one place",): 0.3}, ("hand",)).assign(paper=[0.295, 0.808] * 2)
 
 
 def test_a_method_without_episodes_leaves_its_map_empty_and_says_so():
@@ -81,18 +81,37 @@ def test_a_method_without_episodes_leaves_its_map_empty_and_says_so():
     assert [text.get_text() for text in panels["MOVE"].texts] == ["missing"] and mapped(panels["static"]) == 0.25
 
 
+def test_a_method_with_episodes_but_none_on_the_grid_leaves_its_map_empty_too():
+    episodes = grid({"static": 0.25, "move": 0.75})
+    episodes = episodes[(episodes.method == "static") | (episodes.group == "point")]
+    for figure in (figures.fig1_sparse(episodes, WHOLE),
+                   figures.fig3_dense(episodes, episodes, WHOLE, rates({(7000,): 0.4}, ("timesteps",)))):
+        panels = titled(figure)
+        assert [text.get_text() for text in panels["MOVE"].texts] == ["missing"] and mapped(panels["static"]) == 0.25
+    none = titled(figures.fig1_sparse(episodes[episodes.group == "point"], WHOLE))
+    assert [text.get_text() for name in ("static", "MOVE") for text in none[name].texts] == ["missing"] * 2
+
+
+def test_the_rates_of_figure_1_stand_over_where_the_hand_starts():
+    ax = titled(figures.fig1_sparse(grid({"static": 0.25, "move": 0.75}), WHOLE))["whole space, by the hand's start"]
+    assert heights(ax) == {COLOUR["static"]: [0.4, 0.3], COLOUR["move"]: [0.46, 0.36]}
+    assert [label.get_text() for label in ax.get_xticklabels()] == ["any-\nwhere", "one\nplace"]
+
+
 def test_figure_5_draws_its_circle_over_both_maps_and_the_papers_values_at_their_sides():
-    table = rates({("inside",): 0.2, ("outside",): 0.6}, ("where",)).assign(paper=[0.213, 0.437, 0.446, 0.674])
+    table = rates({("inside", "anywhere"): 0.2, ("outside", "anywhere"): 0.6}, ("where", "hand")).assign(
+        paper=[0.213, 0.437, 0.446, 0.674])
     panels = titled(figures.fig5_circle(grid({"static": 0.25, "move": 0.75}), table))
     for name in ("static", "MOVE"):
         (outline,) = panels[name].patches
         assert outline.get_radius() == pytest.approx(100 * CIRCLE.radius)
         assert outline.center == pytest.approx([100 * value for value in CIRCLE.centre[:2]])
-    ax = panels["in and out of the circle"]
-    assert heights(ax) == {COLOUR["static"]: [0.2, 0.6], COLOUR["move"]: [0.26, 0.66]}
-    dotted = sorted((float(np.mean(line.get_xdata())), line.get_ydata()[0]) for line in ax.get_lines()
-                    if line.get_linestyle() == ":")
-    assert [value for _, value in dotted] == [0.213, 0.437, 0.446, 0.674]
+    for where, level, theirs in (("inside", 0.2, [0.213, 0.437]), ("outside", 0.6, [0.446, 0.674])):
+        ax = panels[where]
+        assert heights(ax) == {COLOUR["static"]: [level], COLOUR["move"]: [level + 0.06]}
+        dotted = sorted((float(np.mean(line.get_xdata())), line.get_ydata()[0]) for line in ax.get_lines()
+                        if line.get_linestyle() == ":")
+        assert [value for _, value in dotted] == theirs
 
 
 def test_figure_2_tells_each_share_over_its_own_places():

@@ -22,10 +22,13 @@ from matplotlib.text import Text  # noqa: E402
 
 from move import paths  # noqa: E402
 from move.errors import BadInput  # noqa: E402
+from move.experiments.gap import SETTINGS  # noqa: E402
+from move.experiments.preliminary import HANDS  # noqa: E402
 from move.paper import PAPER_METHODS, PAPER_TASKS, published  # noqa: E402
 from move.realworld import tracking, workspace  # noqa: E402
 from move.realworld.trials import real_table  # noqa: E402
 from move.report import captions, figures, real_figures, style, tables, words  # noqa: E402
+from move.report.gap import waterfall  # noqa: E402
 from move.sim.tasks import get_task  # noqa: E402
 
 RNG = np.random.default_rng(0)
@@ -127,6 +130,15 @@ def setup() -> plt.Figure:
     return real_figures.setup_figure(workspace.coverage_by_method(steps), steps, frames, simulated=True)
 
 
+def gap() -> plt.Figure:
+    settings = [name for name in SETTINGS if "10 times" not in name]
+    table = rates(case=["figure 1", "pick-place", "push"], setting=settings)
+    table = table.assign(paper=0.3, effect=-0.05, effect_low=-0.1, effect_high=0.02)
+    leads = compared("setting", settings, ("static",))
+    cases = list(table.case.unique())
+    return figures.gap(waterfall(table), table, pd.concat([leads.assign(case=case) for case in cases]), cases)
+
+
 def orange() -> plt.Figure:
     places = pd.DataFrame([{"method": method, "part": "p", "index": index, "step": step, "time_s": 0.2 * step,
                             "row": 20.0 + step, "column": 40.0 + step * index, "height": 72, "width": 128}
@@ -137,17 +149,18 @@ def orange() -> plt.Figure:
 FIGURES = {
     "few_demonstrations": lambda: figures.few_demonstrations(
         one_missing(rates(timesteps=[1300, 3250, 7000])), rates(timesteps=[1300, 3250, 7000])),
-    "fig1_sparse": lambda: figures.fig1_sparse(grid(), rates()),
+    "fig1_sparse": lambda: figures.fig1_sparse(grid(), one_missing(rates(hand=list(HANDS)))),
     "fig2_overview": lambda: figures.fig2_overview(
         {method: seen(method) for method in PAPER_METHODS},
         pd.DataFrame({"method": PAPER_METHODS, "object": 0.25, "target": 0.4}), ranges(), strips(3)),
-    "fig3_dense": lambda: figures.fig3_dense(grid(), grid(), rates(), rates(timesteps=[2000, 3500, 7000])),
+    "fig3_dense": lambda: figures.fig3_dense(
+        grid(), grid(), rates(hand=list(HANDS)), rates(timesteps=[2000, 3500, 7000])),
     "fig4_scaling": lambda: figures.fig4_scaling(
         one_missing(rates(PAPER_METHODS, task=PAPER_TASKS, timesteps=[5000, 10_000, 20_000, 40_000, 50_000, 100_000])),
         tables.printed_success(list(PAPER_TASKS))),
     "fig4_efficiency": lambda: figures.fig4_efficiency(
         pd.DataFrame([{"task": "push", "ratio": np.inf, "low": 1.0, "high": np.inf, "most": 4.0}]), PAPER_TASKS),
-    "fig5_circle": lambda: figures.fig5_circle(grid(), rates(where=["inside", "outside"])),
+    "fig5_circle": lambda: figures.fig5_circle(grid(), rates(hand=list(HANDS), where=["inside", "outside"])),
     "fig6_dimensions": lambda: figures.fig6_dimensions(moves()),
     "fig7_speed": lambda: figures.fig7_speed(speeds()),
     "fig_mixture": lambda: figures.fig_mixture(one_missing(rates(("mixture",), share=[0, 0.25, 1])), "pick-place"),
@@ -163,6 +176,7 @@ FIGURES = {
     "fig_perception": lambda: figures.fig_perception(one_missing(rates(
         observation=["rgb", "keypoints"], experiment=["figure 1", "figure 3", "figure 5", "table 1, object",
                                                       "table 1, object+target", "table 1, all"]))),
+    "gap": gap,
     "generalization": lambda: figures.generalization(
         rates(PAPER_METHODS, task=PAPER_TASKS, group=["grasp", "random", "moving"])),
     "keypoint_control": lambda: figures.keypoint_control(

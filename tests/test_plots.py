@@ -83,7 +83,8 @@ def test_every_plot_of_methods_stands_in_this_file():
               if getattr(plot, "__module__", "").startswith(plots.__name__) and not name.startswith("_")}
     assert public == {*DRAWN} | {"differences", "changes", "gains", "readings", "level", "coverages", "half_widths",
                                  "efficiencies", "forest", "forest_entries", "entries", "cost_entries",
-                                 "own_and_elsewhere_entries", "share_interval", "log_ticks", "short", "reference",
+                                 "own_and_elsewhere_entries", "share_interval", "log_ticks", "points_axis", "short",
+                                 "reference",
                                  "reference_entry"}
 
 

@@ -38,7 +38,7 @@ def test_a_collection_holds_its_frames_once(monkeypatch):
 
 
 def test_figure_4_has_table_2s_runs_and_the_pairs_that_the_paper_calls_equal():
-    runs = experiments.fig4_scaling(LAPTOP)
+    runs = [run for run in experiments.fig4_scaling(LAPTOP) if run.spec.training]
     table = {spec.hash for spec in experiments.specs("table2_main", LAPTOP)
              if spec.training and spec.observation == "rgb"}
     assert table <= {run.spec.hash for run in runs}
@@ -47,6 +47,13 @@ def test_figure_4_has_table_2s_runs_and_the_pairs_that_the_paper_calls_equal():
             ("assembly", "move", 50_000), ("pick-place-wall", "static", 100_000)} <= asked
     assert {size for task, _, size in asked if task == "window-open"} == {2500, 5000, 10_000, 20_000}
     assert len({run.spec.hash for run in runs}) == len(runs)
+
+
+def test_figure_4_has_each_tasks_floor_and_ceiling_and_without_policies_nothing():
+    controls = {(run.spec.task, run.spec.method) for run in experiments.fig4_scaling(LAPTOP) if not run.spec.training}
+    assert controls == {(spec.task, spec.method) for spec in experiments.specs("table2_main", LAPTOP)
+                        if not spec.training}
+    assert experiments.fig4_scaling(LAPTOP, seeds=0, table_seeds=0) == []
 
 
 def test_figure_6_adds_one_motion_after_the_other_and_ends_with_move():

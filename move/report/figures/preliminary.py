@@ -30,16 +30,17 @@ def fig1_sparse(episodes: pd.DataFrame, by_hand: pd.DataFrame) -> Figure:
 
 
 def _maps(episodes: pd.DataFrame, axes: Sequence[Axes]) -> None:
-    """One map a method with one colour bar; a method without episodes leaves its panel empty and says so."""
+    """One map a method with one colour bar; a method without episodes on the grid leaves its panel empty and says so."""
+    mesh = None
     for ax, method in zip(axes, ("static", "move"), strict=True):
         rows = episodes[episodes.method == method]
-        if len(rows):
+        if (rows.group == "grid").any():
             mesh = maps.heatmap(rows, ax)
             ax.set_anchor("N")
         else:
             empty_panel("missing", ax)
     axes[1].set_ylabel("")
-    if len(episodes):
+    if mesh is not None:
         maps.seeds_bar(mesh, axes, episodes.seed.nunique())
 
 
