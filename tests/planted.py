@@ -136,7 +136,7 @@ def _share_of_the_gain(spec: PolicyRun, item: int) -> float:
     moving = sum(PARTS[part] for part in made.moving or able) / sum(PARTS[part] for part in able)
     faster = [math.log2(speeds(spec)[part] / usual) for part, usual in speeds().items()]
     law = {"beta": 0.0, "uniform": 0.3, "constant": 0.45}[made.speed_law or "beta"]
-    return moving - sum(max(0.12 * each, -0.1 * each) for each in faster) - law
+    return moving - sum(max(0.14 * each, -0.1 * each) for each in faster) - law
 
 
 def speeds(spec: PolicyRun | None = None) -> dict[str, float]:
@@ -153,7 +153,7 @@ def _at_grasp_points(spec: PolicyRun, place: str) -> float:
     alike = {"anywhere": 0.0, "within 3 cm": 0.03, "one place": 0.09}[hand(spec)]
     if place == "point":
         few = made.protocol == "sparse" and less > 0.5
-        return (0.12 if few and not move else 0.93 if move else 0.9) - alike - 0.04 * less * move
+        return (0.0 if few and not move else 0.93 if move else 0.9) - alike - 0.04 * less * move
     rate = {"near": (0.8, 0.88), "between": (0.4, 0.83), "far": (0.06, 0.8), "inside": (0.2, 0.75),
             "outside": (0.42, 0.82), ANYWHERE: (0.48, 0.72)}[place][move]
     return rate - alike * (0.5 + move) - 0.06 * less * (1 + move / 2)
