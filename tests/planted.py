@@ -136,7 +136,7 @@ def _share_of_the_gain(spec: PolicyRun, item: int) -> float:
     moving = sum(PARTS[part] for part in made.moving or able) / sum(PARTS[part] for part in able)
     faster = [math.log2(speeds(spec)[part] / usual) for part, usual in speeds().items()]
     law = {"beta": 0.0, "uniform": 0.3, "constant": 0.45}[made.speed_law or "beta"]
-    return moving - sum(max(0.14 * each, -0.1 * each) for each in faster) - law
+    return moving - sum(max(0.17 * each, -0.1 * each) for each in faster) - law
 
 
 def speeds(spec: PolicyRun | None = None) -> dict[str, float]:
@@ -376,7 +376,8 @@ def features(spec: RunSpec) -> dict[str, Any]:
         share = {"static": 0.0, "move": 1.0}.get(made.method, dict(made.shares).get("move"))
         found |= {"timesteps": made.timesteps, "protocol": made.protocol,
                   "hand": hand(spec), "fixed": made.fixed, "object_steps": made.object_steps,
-                  "keep_failures": made.keep_failures, "drawing": made.drawing, "expert": made.expert, "share": share, "law": "static" if made.method == "static" else
+                  "keep_failures": made.keep_failures, "drawing": made.drawing, "expert": made.expert, "share": share,
+                  "law": "static" if made.method == "static" else
                   made.speed_law or "beta", "moving": frozenset(
                       (made.moving or movable(get_task(spec.task), made.factors)) if made.method == "move" else ()),
                   "jumping": next(name for name, jumping in JUMPS.items() if jumping == made.jumping)}

@@ -48,8 +48,8 @@ COLOURS = {"static": "#0072b2", "adc": "#e69f00", "move": "#d55e00", "mixture": 
 TITLES = {name: task.title for name, task in TASKS.items()}
 ANYWHERE = {"hand": "anywhere", "group": "grid"}  # where the hand starts in figures 1, 3 and 5
 NEAR = {"hand": "within 3 cm", "group": "grid"}
-REPEATED = ("fig1_sparse", "few_demonstrations", "fig3_dense", "fig5_circle", "fig_perception", "table1_spatial_factors",
-            "table2_main", "fig6_dimensions", "keypoint_control", "table_keypoint_control")
+REPEATED = ("fig1_sparse", "few_demonstrations", "fig3_dense", "fig5_circle", "fig_perception",
+            "table1_spatial_factors", "table2_main", "fig6_dimensions", "keypoint_control", "table_keypoint_control")
 """Whose repeated trainings tell how much trainings differ, wherever a rate is shown."""
 Row = dict[str, Any]
 
@@ -553,7 +553,8 @@ def test_what_data_cover_stands_beside_the_success_of_the_same_data(world):
 def test_a_level_is_where_a_rate_lies_from_a_goal_blind_expert_to_the_expert(world, name):
     known = 0
     for row in rows_of(world, name):
-        controls = [world.found(RATES[name].figure, task=row["task"], method=agent) for agent in ("goal-blind", "expert")]
+        controls = [world.found(RATES[name].figure, task=row["task"], method=agent)
+                    for agent in ("goal-blind", "expert")]
         if not all(controls):
             assert np.isnan(row["level"]), row
             continue
@@ -1346,7 +1347,7 @@ CLAIMS: dict[int, Callable[[World], Values]] = {
     28: rungs,
     29: speed_ranges,
     30: lambda world: [("length", float(
-        (metaworlds(world, "move")[:, 1].mean() / metaworlds(world, "static")[:, 1].mean() - 1)))],
+        metaworlds(world, "move")[:, 1].mean() / metaworlds(world, "static")[:, 1].mean() - 1))],
     31: lambda world: [(f"{NAMES[method]},", metaworlds(world, method)[:, 0].mean()) for method in ("static", "move")],
     36: mean_efficiency,
 }
@@ -1426,7 +1427,8 @@ def test_the_figure_of_the_claims_shows_their_numbers_in_the_colours_of_their_ve
         for height, value, low, high, colour in drawn(ax, across=True):
             number = int(tick(ax, height, across=True).split()[-1])
             entry = entries[number]
-            found = [(each["value"], each["low"], each["high"]) for each in entry["numbers"] if each["value"] is not None]
+            found = [(each["value"], each["low"], each["high"]) for each in entry["numbers"]
+                     if each["value"] is not None]
             mean = float(np.mean([each[0] for each in found]))
             marks = [*found, (mean, low, high)] if len(found) > 2 and entry["join"] == "every" else found
             assert any((value, low, high) == pytest.approx(each, abs=1e-5) for each in marks), (number, value, marks)
