@@ -134,9 +134,9 @@ def _share_of_the_gain(spec: PolicyRun, item: int) -> float:
         return dict(made.shares).get("move", 0.0)
     able = movable(get_task(spec.task), made.factors)
     moving = sum(PARTS[part] for part in made.moving or able) / sum(PARTS[part] for part in able)
-    faster = [math.log2(speeds(spec)[part] / usual) for part, usual in speeds().items()]
+    faster = [(1 + (part == "camera")) * math.log2(speeds(spec)[part] / usual) for part, usual in speeds().items()]
     law = {"beta": 0.0, "uniform": 0.3, "constant": 0.45}[made.speed_law or "beta"]
-    return moving - sum(max(0.17 * each, -0.1 * each) for each in faster) - law
+    return moving - sum(max(0.12 * each, -0.1 * each) for each in faster) - law
 
 
 def speeds(spec: PolicyRun | None = None) -> dict[str, float]:
@@ -374,11 +374,11 @@ def features(spec: RunSpec) -> dict[str, Any]:
              "seed": spec.seed, "group": spec.evaluation.starts, "factors": spec.evaluation.factors}
     if made := spec.collection:
         share = {"static": 0.0, "move": 1.0}.get(made.method, dict(made.shares).get("move"))
-        found |= {"timesteps": made.timesteps, "protocol": made.protocol,
-                  "hand": hand(spec), "fixed": made.fixed, "object_steps": made.object_steps,
+        found |= {"timesteps": made.timesteps, "protocol": made.protocol, "hand": hand(spec),
+                  "fixed": made.fixed, "object_steps": made.object_steps,
                   "keep_failures": made.keep_failures, "drawing": made.drawing, "expert": made.expert, "share": share,
-                  "law": "static" if made.method == "static" else
-                  made.speed_law or "beta", "moving": frozenset(
+                  "law": "static" if made.method == "static" else made.speed_law or "beta",
+                  "moving": frozenset(
                       (made.moving or movable(get_task(spec.task), made.factors)) if made.method == "move" else ()),
                   "jumping": next(name for name, jumping in JUMPS.items() if jumping == made.jumping)}
     if isinstance(spec, PolicyRun):
