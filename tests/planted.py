@@ -134,7 +134,7 @@ def _share_of_the_gain(spec: PolicyRun, item: int) -> float:
         return dict(made.shares).get("move", 0.0)
     able = movable(get_task(spec.task), made.factors)
     moving = sum(PARTS[part] for part in made.moving or able) / sum(PARTS[part] for part in able)
-    faster = [math.log2(speeds(spec)[part] / usual) for part, usual in speeds().items()]
+    faster = [(1 + (part == "camera")) * math.log2(speeds(spec)[part] / usual) for part, usual in speeds().items()]
     law = {"beta": 0.0, "uniform": 0.3, "constant": 0.45}[made.speed_law or "beta"]
     return moving - sum(max(0.12 * each, -0.1 * each) for each in faster) - law
 
@@ -153,7 +153,7 @@ def _at_grasp_points(spec: PolicyRun, place: str) -> float:
     alike = {"anywhere": 0.0, "within 3 cm": 0.03, "one place": 0.09}[hand(spec)]
     if place == "point":
         few = made.protocol == "sparse" and less > 0.5
-        return (0.12 if few and not move else 0.93 if move else 0.9) - alike - 0.04 * less * move
+        return (0.0 if few and not move else 0.93 if move else 0.9) - alike - 0.04 * less * move
     rate = {"near": (0.8, 0.88), "between": (0.4, 0.83), "far": (0.06, 0.8), "inside": (0.2, 0.75),
             "outside": (0.42, 0.82), ANYWHERE: (0.48, 0.72)}[place][move]
     return rate - alike * (0.5 + move) - 0.06 * less * (1 + move / 2)
@@ -374,10 +374,11 @@ def features(spec: RunSpec) -> dict[str, Any]:
              "seed": spec.seed, "group": spec.evaluation.starts, "factors": spec.evaluation.factors}
     if made := spec.collection:
         share = {"static": 0.0, "move": 1.0}.get(made.method, dict(made.shares).get("move"))
-        found |= {"timesteps": made.timesteps, "protocol": made.protocol,
-                  "hand": hand(spec), "fixed": made.fixed, "object_steps": made.object_steps,
-                  "keep_failures": made.keep_failures, "drawing": made.drawing, "expert": made.expert, "share": share, "law": "static" if made.method == "static" else
-                  made.speed_law or "beta", "moving": frozenset(
+        found |= {"timesteps": made.timesteps, "protocol": made.protocol, "hand": hand(spec),
+                  "fixed": made.fixed, "object_steps": made.object_steps,
+                  "keep_failures": made.keep_failures, "drawing": made.drawing, "expert": made.expert, "share": share,
+                  "law": "static" if made.method == "static" else made.speed_law or "beta",
+                  "moving": frozenset(
                       (made.moving or movable(get_task(spec.task), made.factors)) if made.method == "move" else ()),
                   "jumping": next(name for name, jumping in JUMPS.items() if jumping == made.jumping)}
     if isinstance(spec, PolicyRun):

@@ -108,7 +108,7 @@ def test_figure_5_draws_its_circle_over_both_maps_and_the_papers_values_at_their
         assert outline.center == pytest.approx([100 * value for value in CIRCLE.centre[:2]])
     for where, level, theirs in (("inside", 0.2, [0.213, 0.437]), ("outside", 0.6, [0.446, 0.674])):
         ax = panels[where]
-        assert heights(ax) == {COLOUR["static"]: [level], COLOUR["move"]: [level + 0.06]}
+        assert heights(ax) == {COLOUR["static"]: [level], COLOUR["move"]: [round(level + 0.06, 4)]}
         dotted = sorted((float(np.mean(line.get_xdata())), line.get_ydata()[0]) for line in ax.get_lines()
                         if line.get_linestyle() == ":")
         assert [value for _, value in dotted] == theirs

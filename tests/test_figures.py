@@ -276,7 +276,7 @@ MARKS = {  # what a caption calls it -> whether it is drawn
         isinstance(dots, PathCollection) and dots.get_sizes().tolist() == [8] and len(dots.get_offsets())
         for ax in figure.axes for dots in ax.collections),
     r"dotted": lambda figure: lines(figure, linestyle=":", color="black"),
-    r"[Dd]iamonds": lambda figure: lines(figure, marker="D"),
+    r"[Dd]iamond": lambda figure: lines(figure, marker="D"),
     r"[Qq]uestion marks": lambda figure: lines(figure, marker="$?$"),
     r"seen from above": lambda figure: any(isinstance(mesh, QuadMesh) for ax in figure.axes for mesh in ax.collections)
     or figure.get_label() in ("fig2_overview", "fig8_real_setup"),

@@ -129,7 +129,7 @@ def claims(numbers: pd.DataFrame) -> Figure:
         ["first", "number"], kind="stable")
     parts = [grouped[~grouped.factor], grouped[grouped.factor]]
     lines = [max(part.number.nunique(), 1) for part in parts]
-    figure, axes = plt.subplots(2, 1, figsize=(PAGE_WIDTH, 1.4 + 0.17 * sum(lines)), height_ratios=lines)
+    figure, axes = plt.subplots(2, 1, figsize=(PAGE_WIDTH, 1.9 + 0.17 * sum(lines)), height_ratios=lines)
     for ax, part in zip(axes, parts, strict=True):
         plots.forest(part, ax)
     axes[0].set_xlabel("difference, rate or share, as the claim has it")

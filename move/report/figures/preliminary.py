@@ -30,7 +30,7 @@ def fig1_sparse(episodes: pd.DataFrame, by_hand: pd.DataFrame) -> Figure:
 
 
 def _maps(episodes: pd.DataFrame, axes: Sequence[Axes]) -> None:
-    """One map a method with one colour bar; a method without episodes on the grid leaves its panel empty and says so."""
+    """One map a method with one colour bar; a method that has none on the grid leaves its panel empty and says so."""
     mesh = None
     for ax, method in zip(axes, ("static", "move"), strict=True):
         rows = episodes[episodes.method == method]
