@@ -122,7 +122,8 @@ def _tasks(other: str) -> str:
     seeds = sorted(set(rates[rates.method.isin([other, "move"])].seeds.map(_seeds)))
     what = f"Table 2, mean of {found['items']:.0f} tasks"
     means = tuple(sum(printed[method]) / len(printed[method]) for method in (other, "move"))
-    return _line(what, (ours[other], ours["move"]), found, " to ".join(map(str, dict.fromkeys((seeds[0], seeds[-1])))), means, f"{name}, MOVE",
+    repeated = " to ".join(map(str, dict.fromkeys((seeds[0], seeds[-1]))))
+    return _line(what, (ours[other], ours["move"]), found, repeated, means, f"{name}, MOVE",
                  half_width(printed["move"], printed[other], paper.EPISODES_A_RATE))
 
 
