@@ -291,9 +291,9 @@ def test_the_ledger_has_the_figures_own_intervals_and_signs(number, stored):
     all_items = findings(claim(number), stored)
     items = [item for item in all_items if isinstance(item, Finding) and item.what != "relative improvement"]
     if by is None and any(isinstance(item, Missing) for item in all_items):
-        assert (drawn["items"] < len(PAPER_TASKS)).all()
+        assert drawn.empty or (drawn["items"] < len(PAPER_TASKS)).all()
         return
-    assert len(items) == len(drawn) > 0
+    assert len(items) == len(drawn) and (len(drawn) or any(isinstance(item, Missing) for item in all_items))
     for item, row in zip(items, drawn.itertuples(), strict=True):
         theirs = (row.difference, row.low, row.high)
         if number in OTHER_SIDE_FIRST:

@@ -22,8 +22,8 @@ def test_a_fall_that_the_paper_has_too_is_judged_as_a_rise_is():
     fall, rise = (pd.Series({"difference": sign * 0.43, "low": sign * 0.43 - 0.08, "high": sign * 0.43 + 0.08})
                   for sign in (-1, 1))
     row = results_table._line("Table 1", (1.0, 0.57), fall, 3, (0.675, 0.317), "static", 0.17)
-    assert row.endswith("| -43 [-51, -35] points | 3 | 0.675, 0.317 (-36) | reproduced |")
-    assert results_table._line("", (1.0, 0.57), rise, 3, (0.675, 0.317), "").endswith("| refuted here |")
+    assert row.endswith("| -43 [-51, -35] points | 3 | 0.675, 0.317 (-36) | reproduced; levels higher |")
+    assert results_table._line("", (1.0, 0.57), rise, 3, (0.675, 0.317), "").endswith("| refuted here; levels higher |")
 
 
 README = results_table.README.read_text()

@@ -23,7 +23,7 @@ ROUNDED = 1e-4  # of a number in a CSV file
 TRIPLE = re.compile(r"([+-]\d+)(?: points)? \[([+-]\d+), ([+-]\d+)\]"
                     r"(, above 0|, below 0|, not distinguishable from 0)?")
 DIFFERENCES = [("difference", "low", "high"), ("gain", "gain_low", "gain_high"), ("mean_difference", "low", "high"),
-               ("iqm_difference", "iqm_low", "iqm_high")]
+               ("iqm_difference", "iqm_low", "iqm_high"), ("effect", "effect_low", "effect_high")]
 
 
 @cache
@@ -82,6 +82,8 @@ RATES = sorted(path.stem for path in SHIPPED.glob("*.csv") if {"value", "seeds",
 @pytest.mark.parametrize("name", RATES)
 def test_a_rate_is_the_mean_of_its_seeds_and_lies_within_its_interval(name):
     table = shipped(name)
+    if table.empty:
+        pytest.skip("none of its runs is stored yet")
     seeds = [np.array(str(row).split(), float) for row in table.seeds]
     assert [each.mean() for each in seeds] == pytest.approx(table.value.tolist(), abs=ROUNDED)
     assert (table.low <= table.value).all() and (table.value <= table.high).all()
@@ -97,10 +99,12 @@ GAPS = {
     "table1_spatial_factors_differences": ("table1_spatial_factors", "method", "move", ("factors",)),
     "table1_spatial_factors_lost": ("table1_spatial_factors", "factors", None, ("method",)),
     "few_demonstrations_differences": ("few_demonstrations", "method", "move", ("timesteps",)),
-    "fig1_sparse_difference": ("fig1_sparse", "method", "move", ()),
-    "fig3_dense_difference": ("fig3_dense", "method", "move", ()),
+    "fig1_sparse_difference": ("fig1_sparse_hand", "method", "move", ("hand",)),
+    "fig3_dense_difference": ("fig3_dense_hand", "method", "move", ("hand",)),
+    "fig3_dense_near_budgets_difference": ("fig3_dense_near_budgets", "method", "move", ("timesteps",)),
+    "gap_leads": ("gap", "method", "move", ("case", "setting")),
     "fig3_dense_budgets_difference": ("fig3_dense_budgets", "method", "move", ("timesteps",)),
-    "fig5_circle_differences": ("fig5_circle", "method", "move", ("where",)),
+    "fig5_circle_differences": ("fig5_circle_hand", "method", "move", ("where", "hand")),
     "keypoint_control_differences": ("keypoint_control", "method", "move", ("timesteps",)),
     "equal_demonstrations_differences": ("equal_demonstrations", "method", "move", ("equal",)),
     "fig_training_length_differences": ("fig_training_length", "method", "move", ("task", "length")),

@@ -12,7 +12,7 @@ from move.statistics.cells import successes, training_noise
 from move.statistics.estimates import UNKNOWN, Estimate, TrainingNoise, difference, success_rate, unpaired_difference
 
 INTERACTION, UNEXPLAINED, PAPER = "more together than alone", "not explained", "the paper"
-COLUMNS = ["case", "method", "setting", "value", "low", "high", "seeds", "episodes", "effect", "effect_low",
+COLUMNS = ["case", "method", "setting", "value", "low", "high", "seeds", "episodes", "trainings", "effect", "effect_low",
            "effect_high"]
 
 
@@ -32,7 +32,7 @@ def gap_table(episodes: pd.DataFrame, known: TrainingNoise = UNKNOWN) -> pd.Data
             rate = success_rate(cells[name], noise)
             rows.append({"case": case, "method": method, "setting": name, "value": rate.value, "low": rate.low,
                          "high": rate.high, "seeds": cells[name].mean(axis=1).round(4).tolist(),
-                         "episodes": rate.episodes, **_effect(cells, name, noise)})
+                         "episodes": rate.episodes, "trainings": rate.trainings, **_effect(cells, name, noise)})
     return pd.DataFrame(rows, columns=COLUMNS)
 
 
