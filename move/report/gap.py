@@ -12,8 +12,8 @@ from move.statistics.cells import successes, training_noise
 from move.statistics.estimates import UNKNOWN, Estimate, TrainingNoise, difference, success_rate, unpaired_difference
 
 INTERACTION, UNEXPLAINED, PAPER = "more together than alone", "not explained", "the paper"
-COLUMNS = ["case", "method", "setting", "value", "low", "high", "seeds", "episodes", "trainings", "effect", "effect_low",
-           "effect_high"]
+COLUMNS = ["case", "method", "setting", "value", "low", "high", "seeds", "episodes", "trainings", "effect",
+           "effect_low", "effect_high"]
 
 
 def gap_table(episodes: pd.DataFrame, known: TrainingNoise = UNKNOWN) -> pd.DataFrame:
