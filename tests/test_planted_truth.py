@@ -121,7 +121,7 @@ AUTHORS: dict[str, Row] = {
     "35 steps traced back": {"object_steps": 35},
     "their 20 configurations": {"group": "listed"},
     "Meta-World's expert": {"expert": "metaworld"},
-    "crop 60 of 96 px": {"cropped": True},
+    "crop as theirs, 5/8": {"cropped": True},
     "its failures kept too": {"expert": "metaworld", "keep_failures": True},
     "shadows, sky, reflections": {"drawing": "full"},
     "0.33 times the steps": {"length": 0.33},

@@ -14,10 +14,10 @@ from move.study.profiles import Profile
 
 GRASPS = "figure 1"
 PACKAGE, LISTED, TOGETHER = "the package's protocol", "their 20 configurations", "all of them together"
-CROP = 60  # of 96 px, the share of the authors' 80 of 128
+CROP = 80 / 128  # of an image's side, as the authors crop
 EVERYWHERE: dict[str, dict[str, Any]] = {
     "Meta-World's expert": {"expert": "metaworld"},
-    "crop 60 of 96 px": {"crop_pixels": CROP},
+    "crop as theirs, 5/8": {"crop_share": CROP},
 }
 """Settings that every case has; each is switched alone."""
 
@@ -77,7 +77,7 @@ def _settings(
 ) -> dict[str, dict[str, Any]]:
     """What each setting changes of the protocol of `case`; `more` are those that not every case has."""
     own = AT_GRASPS if case == GRASPS else {LISTED: {}}
-    together = {"expert": "metaworld", "keep_failures": True, "crop_pixels": CROP, "drawing": "full",
+    together = {"expert": "metaworld", "keep_failures": True, "crop_share": CROP, "drawing": "full",
                 **(ANYWHERE | {"object_steps": TRACED_BACK, "hand_spread": 0.0} if case == GRASPS else {})}
     fewer = {} if case == GRASPS else {"episodes": length_episodes}
     longer = {f"{length:.2g} times the steps": {"length": length, **fewer} for length in lengths}
@@ -89,6 +89,10 @@ def _run(
 ) -> LabelledRun:
     if method == "static":
         settings = {key: value for key, value in settings.items() if key != "object_steps"}
+    if "crop_share" in settings:
+        share = settings["crop_share"]
+        settings = {key: value for key, value in settings.items() if key != "crop_share"}
+        settings["crop_pixels"] = round(share * profile.image_size)
     base = partial(policy_run, profile, task=case, method=method, seed=seed)
     if case == GRASPS:
         base = partial(base, **{"task": "pick-place", "protocol": "sparse", "points": "sparse", "starts": "grid",
