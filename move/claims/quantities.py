@@ -346,6 +346,8 @@ def lengths(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
     if isinstance(made, Missing):
         return [made]
     means = [[rows[rows.success.astype(bool)].steps for rows in side] for side in made]
+    if min(len(part) for side in means for part in side) < 2:
+        return [Missing(f"{each.what} (a task without two successful demonstrations)", 0, 0.0)]
     logs, variances = zip(*((np.log(np.mean([part.mean() for part in side])),
                              sum(part.var() / len(part) for part in side) / sum(part.mean() for part in side) ** 2)
                             for side in means), strict=True)

@@ -28,12 +28,17 @@ def gap_table(episodes: pd.DataFrame, known: TrainingNoise = UNKNOWN) -> pd.Data
     noise, rows = training_noise(episodes, ["case", "setting", "method"], known), []
     for (case, method), group in episodes.groupby(["case", "method"], sort=False):
         cells = {name: successes(part) for name, part in group.groupby("setting", sort=False)}
-        for name in sorted(cells, key=SETTINGS.index):
+        for name in sorted(cells, key=_order):
             rate = success_rate(cells[name], noise)
             rows.append({"case": case, "method": method, "setting": name, "value": rate.value, "low": rate.low,
                          "high": rate.high, "seeds": cells[name].mean(axis=1).round(4).tolist(),
                          "episodes": rate.episodes, "trainings": rate.trainings, **_effect(cells, name, noise)})
     return pd.DataFrame(rows, columns=COLUMNS)
+
+
+def _order(setting: str) -> tuple[bool, int]:
+    """Where a setting is shown: as `SETTINGS` lists them, other lengths of training after them, all together last."""
+    return setting == TOGETHER, SETTINGS.index(setting) if setting in SETTINGS else len(SETTINGS)
 
 
 def _effect(cells: dict[str, np.ndarray], name: str, noise: TrainingNoise) -> dict[str, float]:
