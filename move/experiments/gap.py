@@ -87,11 +87,10 @@ def _settings(
 def _run(
     profile: Profile, case: str, name: str, method: str, seed: int, grid_side: int, settings: dict[str, Any]
 ) -> LabelledRun:
+    settings = dict(settings)
     if method == "static":
-        settings = {key: value for key, value in settings.items() if key != "object_steps"}
-    if "crop_share" in settings:
-        share = settings["crop_share"]
-        settings = {key: value for key, value in settings.items() if key != "crop_share"}
+        settings.pop("object_steps", None)
+    if share := settings.pop("crop_share", None):
         settings["crop_pixels"] = round(share * profile.image_size)
     base = partial(policy_run, profile, task=case, method=method, seed=seed)
     if case == GRASPS:
