@@ -6,6 +6,7 @@ because two runs in one process would share a simulator.
 
 from __future__ import annotations
 
+import asyncio
 import logging
 import time
 from collections.abc import Iterator
@@ -84,6 +85,7 @@ def dask_cluster(address: str, folder: Path) -> Iterator[Cluster]:
 
     logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what goes wrong is said here, in one line
     try:
+        asyncio.run(_call(address))
         client = Client(address, timeout=ANSWER)
     except (OSError, ValueError, TypeError) as error:  # dask has a TypeError for tls without certificates
         raise BadInput(f"cluster: no Dask scheduler at {address} ({error}); start one with `dask scheduler`") from error
@@ -97,6 +99,13 @@ def dask_cluster(address: str, folder: Path) -> Iterator[Cluster]:
         if client.status == "running":
             cluster.executor.shutdown(wait=False)
         client.close(timeout=1)
+
+
+async def _call(address: str) -> None:
+    """See that something answers at the address, before a client starts a thread that waits for it."""
+    from distributed.comm import connect
+
+    (await connect(address, timeout=ANSWER)).abort()
 
 
 def _problem(token: Path, there: dict[str, str]) -> str | None:
