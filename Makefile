@@ -13,13 +13,13 @@ SHORT := $(foreach name,$(NUMBERED),$(firstword $(subst _, ,$(name))))
 STORED_ONLY := $(if $(shell grep -l '^shipped: true' profiles/$(PROFILE).yaml 2>/dev/null),--stored-only)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup figures runs test test-slow test-lerobot test-browser plan verify lab site bench doctor lock clean fig8 $(NOTEBOOKS) $(SHORT)
+.PHONY: help setup figures runs test test-slow test-lerobot test-browser plan verify lab site bench doctor lock clean $(NOTEBOOKS) $(SHORT)
 
 help:  ## print this list
 	@echo "usage: make TARGET [PROFILE=smoke|laptop|...] [CLUSTER=tcp://host:8786] [TORCH_INDEX=url]"
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  %-12s %s\n", $$1, $$2}'
-	@echo "one figure or table, and about how long it takes from stored results:"
-	@$(PYTHON) tools/figures.py
+	@echo "one figure or table by its name:"
+	@echo $(SHORT) $(NOTEBOOKS) | fold -sw 96 | sed 's/^/  /'
 
 setup: $(READY)  ## build .venv from environment.lock
 
@@ -47,8 +47,6 @@ define short_name
 $(firstword $(subst _, ,$(1))): $(1)
 endef
 $(foreach name,$(NUMBERED),$(eval $(call short_name,$(name))))
-
-fig8: table3_real_robot
 
 test: $(READY)  ## run every test
 	$(BIN)/python -m ruff check move tests tools

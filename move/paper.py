@@ -60,14 +60,14 @@ _OTHERS = [
     ("fig4_scaling", "pick-place-wall", "static", "equally good", "timesteps", 100_000),
     ("fig4_scaling", "", "move", "least", "data_efficiency", 2),
     ("fig4_scaling", "", "move", "most", "data_efficiency", 5),
-    ("table3_real_robot", "real-robot", "static", "35000", "success", 0.033),
-    ("table3_real_robot", "real-robot", "move", "35000", "success", 0.233),
-    ("table3_real_robot", "real-robot", "static", "75000", "success", 0.233),
-    ("table3_real_robot", "real-robot", "move", "75000", "success", 0.367),
-    ("table3_real_robot", "real-robot", "static", "35000", "score", 0.055),
-    ("table3_real_robot", "real-robot", "move", "35000", "score", 0.311),
-    ("table3_real_robot", "real-robot", "static", "75000", "score", 0.389),
-    ("table3_real_robot", "real-robot", "move", "75000", "score", 0.522),
+    ("table3_real", "real-robot", "static", "35000", "success", 0.033),
+    ("table3_real", "real-robot", "move", "35000", "success", 0.233),
+    ("table3_real", "real-robot", "static", "75000", "success", 0.233),
+    ("table3_real", "real-robot", "move", "75000", "success", 0.367),
+    ("table3_real", "real-robot", "static", "35000", "score", 0.055),
+    ("table3_real", "real-robot", "move", "35000", "score", 0.311),
+    ("table3_real", "real-robot", "static", "75000", "score", 0.389),
+    ("table3_real", "real-robot", "move", "75000", "score", 0.522),
     ("table6_collection", "", "static", "simulation", "mean_steps", 83.8),
     ("table6_collection", "", "move", "simulation", "mean_steps", 107.4),
     ("table6_collection", "", "static", "simulation", "generation_rate", 0.933),
@@ -137,8 +137,8 @@ REAL_RADIUS_M = 0.60  # the semicircular workspace, 0.5 * pi * 60 cm * 60 cm
 
 def _real_counts() -> pd.DataFrame:
     """Table 3 in whole trials and points: 0.055 is 5/90 = 0.0556, cut and not rounded in the paper."""
-    cells = published("table3_real_robot").merge(
-        published("table3_real_robot", "score"), on=["condition", "method"], suffixes=("", "_score"))
+    cells = published("table3_real").merge(
+        published("table3_real", "score"), on=["condition", "method"], suffixes=("", "_score"))
     return pd.DataFrame({
         "timesteps": cells.condition.astype(int), "method": cells.method,
         "successes": (REAL_TRIALS * cells.value).round().astype(int),

@@ -27,10 +27,10 @@ from cells import execute
 from matplotlib.figure import Figure
 
 from move import paths
-from move.experiments import EXPERIMENTS, runs
+from move.figures.page.parameters import runs, with_runs
+from move.figures.plots import style
 from move.learn.evaluate import starts
 from move.paper import PAPER_TASKS
-from move.report import style
 from move.sim import coverage
 from move.sim.grasp_points import CIRCLE
 from move.sim.motion.adc import JUMPS
@@ -284,9 +284,9 @@ def _cells(steps: np.ndarray, share: float, low: float, high: float, count: int)
 class World:
     """Planted results in a folder of their own, what the notebooks make of them, and the truth to hold it against."""
 
-    def __init__(self, folder: Path, turned: bool = False) -> None:
-        self.folder, self.turned = folder, turned
-        self.specs = {name: [run.spec for run in distinct(runs(name, PROFILE))] for name in EXPERIMENTS}
+    def __init__(self, folder: Path, turned: bool = False, laid_out: bool = False) -> None:
+        self.folder, self.turned, self.laid_out = folder, turned, laid_out
+        self.specs = {name: [run.spec for run in distinct(runs(name, PROFILE))] for name in with_runs()}
         every = {spec.hash: spec for specs in self.specs.values() for spec in specs}
         self.results = {spec.hash: planted_result(spec, turned) for spec in every.values()}
         self._features = {spec.hash: features(spec) for spec in every.values()}
@@ -337,8 +337,9 @@ class World:
 
         def saved(figure: Figure, name: str, folder: Path, caption: Any = None) -> None:
             self.figures[name] = figure
+            folder.mkdir(parents=True, exist_ok=True)
+            (folder / f"{name}.png").touch()  # which a notebook shows
             if caption:
-                folder.mkdir(parents=True, exist_ok=True)
                 (folder / f"{name}.caption.md").write_text(caption.markdown(), encoding="utf-8")
 
         def attempts(collection: Any, seed: int, recorder: Any) -> Iterator[SimpleNamespace]:
@@ -354,7 +355,8 @@ class World:
             patch.setattr(coverage, "attempts", attempts)
             patch.setattr(style, "save", saved)
             patch.setattr(gc, "collect", lambda *_: 0)  # statsmodels does after every adjustment, a second each time
-            patch.setattr(Figure, "get_layout_engine", lambda figure: None)  # nobody looks at where the panels are
+            if not self.laid_out:  # nobody looks at where the panels are
+                patch.setattr(Figure, "get_layout_engine", lambda figure: None)
             patch.setenv("MOVE_STORED_ONLY", "1")
             with matplotlib.rc_context():
                 _forget()
@@ -394,7 +396,7 @@ def features(spec: RunSpec) -> dict[str, Any]:
 
 def _forget() -> None:
     """Empty what the package keeps between calls, for another world follows; the simulator's own stays."""
-    for module in [module for name, module in sys.modules.items() if name.startswith(("move.claims", "move.report",
+    for module in [module for name, module in sys.modules.items() if name.startswith(("move.claims",
                                                                                      "move.figures", "move.study"))]:
         for kept in list(vars(module).values()):
             if hasattr(kept, "cache_clear"):

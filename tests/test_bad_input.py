@@ -9,10 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from test_cli import move
 
-from move import choices, experiments, paths, yaml_text
+from move import paths, yaml_text
 from move.cli.parameters import parameters as read_parameters
 from move.errors import BadInput
-from move.report import parameters
+from move.figures.page import parameters
 from move.study import profiles
 from move.study.profiles import load_profile
 
@@ -358,11 +358,11 @@ def test_what_the_hints_say_is_accepted():
 
 @pytest.mark.parametrize("text", ["2024-10-01", "run #3", "on", "5", "1e3", "0x64", "[a]", "~", "", "a: b", " x ", "ö"])
 def test_a_parameter_that_is_text_is_taken_as_it_stands(text):
-    known = choices.texts(["table3_real_robot"])
+    known = choices.texts(["table3_real"])
     assert {"data", "sheet", "units_file"} <= known
     for name in ("data", "sheet"):
         given = read_parameters([f"{name}={text}", "episodes=5"], known)
-        assert parameters.check("table3_real_robot", load_profile("smoke"), given)[name] == text
+        assert parameters.check("table3_real", load_profile("smoke"), given)[name] == text
         assert given["episodes"] == 5
 
 
@@ -384,7 +384,7 @@ def test_many_keys_are_read_in_no_time():
 
 def test_every_parameter_of_every_notebook_is_checked():
     for name in choices.notebooks():
-        own = experiments.defaults(name) if name in experiments.EXPERIMENTS else {}
+        own = parameters.defaults(name) if name in parameters.with_runs() else {}
         unchecked = set(choices.parameters(name)) - {"profile"} - set(own) - set(parameters.ALLOWED)
         assert not unchecked, (name, unchecked)
 
@@ -414,7 +414,7 @@ def test_any_text_is_read_as_plain_values_or_refused_in_one_line(text):
 
 
 @settings(max_examples=100, deadline=None)
-@given(name=st.sampled_from(["fig1_sparse", "fig3_dense", "rollouts", "fig2_overview", "table3_real_robot"]),
+@given(name=st.sampled_from(["fig1_sparse", "fig3_dense", "rollouts", "fig2_overview", "table3_real"]),
        number=st.integers(0, 20), value=VALUE)
 def test_any_value_of_a_parameter_is_taken_or_refused_in_one_line(name, number, value):
     names = choices.parameters(name)

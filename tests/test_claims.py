@@ -15,14 +15,14 @@ from move.claims import claims as data
 from move.claims import ledger
 from move.claims.claims import Claim, claims, read
 from move.claims.evidence import Evidence, chosen, placed
-from move.claims.needed import Design, Trials
 from move.claims.quantities import QUANTITIES, findings, half_width
-from move.claims.rule import VERDICTS, Contradiction, Finding, Missing, Untested, verdict
 from move.errors import BadInput
-from move.experiments import EXPERIMENTS, registry
+from move.figures.page import parameters
 from move.paper import PAPER_TASKS
 from move.sim.tasks import TASKS
 from move.statistics.estimates import TrainingNoise
+from move.statistics.needed import Design, Trials
+from move.statistics.verdicts import VERDICTS, Contradiction, Finding, Missing, Untested, verdict
 from move.study.profiles import load_profile
 
 INFINITE = float("inf")
@@ -317,8 +317,8 @@ def test_a_claim_that_a_profile_has_no_runs_for_says_so(profile, gl, tmp_path, m
     monkeypatch.setattr("move.study.profiles.gl_problem", lambda: None if gl else "no GL")
     evidence = Evidence(load_profile(profile))
     for each in claims():
-        if each.figure in EXPERIMENTS:
-            none = not registry.runs(each.figure, evidence.profile)
+        if each.figure in parameters.with_runs():
+            none = not parameters.runs(each.figure, evidence.profile)
             items = [item for item in findings(each, evidence) if not isinstance(item, Untested)]
             assert all(isinstance(item, Missing) for item in items), each
             said = [f"(profile {profile} has no runs for it)" in item.what for item in items]

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from safetensors import SafetensorError
 
-from move import choices, cli, machine, paths
+from move import cli, machine, paths
+from move.figures.page import kernels
 from move.learn import checkpoint, dataset
-from move.report import notebooks
 from move.study.doctor import examine, locked_versions
 
 
@@ -157,7 +157,7 @@ def test_short_and_long_names_mean_the_same_figure(capsys):
     rows = [json.loads(move(capsys, "plan", name, "--profile", "smoke", "--json")[1])
             for name in ("fig1", "fig1_sparse")]
     assert rows[0] == rows[1] and [row["figure"] for row in rows[0]] == ["fig1_sparse"]
-    assert choices.notebook("fig8") == choices.notebook("table3") == "table3_real_robot"
+    assert choices.notebook("fig8") == choices.notebook("table3") == "table3_real"
 
 
 def test_a_plan_tells_what_a_change_would_cost(capsys):
@@ -190,7 +190,7 @@ def test_how_far_the_runs_of_a_notebook_are_is_watched(tmp_path, monkeypatch):
     (tmp_path / "a").mkdir()
     (tmp_path / "a/progress").write_text("train 50 100")
     seen = []
-    with notebooks.watched(["a", "b"], lambda done, total: seen.append((done, total))):
+    with kernels.watched(["a", "b"], lambda done, total: seen.append((done, total))):
         time.sleep(1.5)
     assert seen == [(pytest.approx(0.475), 2)]
 

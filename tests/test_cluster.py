@@ -12,8 +12,8 @@ from pathlib import Path
 import pytest
 from distributed import LocalCluster
 
-from move import experiments
 from move.errors import BadInput
+from move.figures.page import parameters
 from move.study import cluster, execute, results, run
 from move.study.kinds import collector_run
 from move.study.profiles import load_profile
@@ -50,19 +50,19 @@ def assert_equal_to_no_cluster(specs, folder):
 
 
 def test_a_worker_with_two_threads_gives_what_no_cluster_gives(tmp_path):
-    assert_equal_to_no_cluster(experiments.specs("table6_collection", SMOKE)[:4], tmp_path)
+    assert_equal_to_no_cluster(parameters.specs("table6_collection", SMOKE)[:4], tmp_path)
 
 
 @pytest.mark.slow
 def test_a_worker_with_two_threads_gives_all_of_table_6_as_no_cluster_does(tmp_path):
     """When two runs shared a process, 10 to 15 of these 60 came out wrong."""
-    specs = experiments.specs("table6_collection", SMOKE)
+    specs = parameters.specs("table6_collection", SMOKE)
     assert len(specs) == 60
     assert_equal_to_no_cluster(specs, tmp_path)
 
 
 def test_a_worker_that_is_killed_in_the_middle_loses_and_doubles_nothing(tmp_path):
-    specs = experiments.specs("table6_collection", SMOKE)[:4]
+    specs = parameters.specs("table6_collection", SMOKE)[:4]
     stored: dict[Path, int] = {}  # when each result that was there at the kill had been written
     with LocalCluster(n_workers=2, threads_per_worker=1, protocol="tcp://", dashboard_address=None) as local:
         first = next(iter(local.workers.values()))

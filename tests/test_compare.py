@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 from test_cli import move
 
-from move import experiments, paths
+from move import paths
 from move.errors import BadInput
+from move.figures.page import parameters
 from move.statistics.estimates import difference
 from move.study import compare
 from move.study.profiles import load_profile
@@ -57,7 +58,7 @@ def test_a_line_says_it_all_and_pairing_narrows_it(capsys, files):
 
 def test_two_stored_runs_by_their_hashes_and_a_run_with_itself(capsys):
     profile = load_profile("laptop")
-    runs = {run.spec.method: run.spec for run in experiments.runs("table2_main", profile)
+    runs = {run.spec.method: run.spec for run in parameters.runs("table2_main", profile)
             if run.spec.task == "pick-place" and run.spec.seed == 0 and run.spec.observation == "rgb"}
     code, out, _ = move(capsys, "compare", runs["move"].hash, runs["static"].hash, "--json")
     found = json.loads(out)

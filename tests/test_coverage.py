@@ -6,13 +6,13 @@ import pandas as pd
 import pytest
 import recipes
 
+from move.figures.plots import film
 from move.learn import rollout
 from move.learn.agents import PolicyAgent, Recorded
 from move.learn.evaluate import Evaluation
 from move.learn.train import train
 from move.machine import gl_problem
 from move.paper import PAPER_TASKS
-from move.report import film
 from move.sim import coverage
 from move.sim.collect import Collection, collect
 from move.sim.tasks import get_task

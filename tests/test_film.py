@@ -6,9 +6,9 @@ import av
 import numpy as np
 import pytest
 
+from move.figures.plots import film
 from move.machine import gl_problem
 from move.paper import PAPER_TASKS
-from move.report import film
 from move.sim.collect import attempts
 from move.sim.motion.wrappers import Motions
 

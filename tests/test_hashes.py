@@ -7,7 +7,8 @@ writes the list anew; look at its difference before committing it: lines may be 
 import json
 from pathlib import Path
 
-from move import experiments
+from move.figures import names
+from move.figures.page.parameters import specs
 from move.study import profiles
 
 LISTED = Path(__file__).with_name("hashes.json")
@@ -16,7 +17,7 @@ LISTED = Path(__file__).with_name("hashes.json")
 def hashes() -> dict[str, list[str]]:
     """The hashes of all runs of each profile, sorted."""
     return {
-        chosen.name: sorted({spec.hash for name in experiments.EXPERIMENTS for spec in experiments.specs(name, chosen)})
+        chosen.name: sorted({spec.hash for name in names() for spec in specs(name, chosen)})
         for chosen in map(profiles.load_profile, profiles.names())
     }
 

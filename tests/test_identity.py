@@ -16,18 +16,17 @@ from test_cli import move
 from test_cluster import two_threads
 
 import move as package
-from move import experiments
 from move.errors import BadInput
+from move.figures.page import captions, parameters
 from move.learn.dataset import load, save
 from move.learn.train import train
-from move.report import captions
 from move.sim.demonstrations import Demonstrations, fingerprint
 from move.study import cluster, execute, policies, provenance, results, run
 from move.study.kinds import collector_run, control_run
 from move.study.profiles import load_profile
 
 LAPTOP = load_profile("laptop")
-SHIPPED = experiments.specs("rollouts", LAPTOP)
+SHIPPED = parameters.specs("rollouts", LAPTOP)
 
 
 def numbers(seed: int = 0) -> Demonstrations:

@@ -5,8 +5,10 @@ from functools import partial
 
 import pytest
 
-from move import experiments, paper, paths
+from move import paper, paths
 from move.errors import BadInput
+from move.figures import fig1_sparse
+from move.figures.page import parameters
 from move.learn.evaluate import Evaluation
 from move.study import profiles, results
 from move.study import run as running
@@ -51,7 +53,7 @@ def test_a_setting_goes_to_the_part_of_the_run_that_has_it():
     (lambda: PUSH(protocol="spiral"), "protocol: 'spiral' given"),
     (lambda: control_run(task="push", agent="dog"), "agent: 'dog' given"),
     (lambda: collector_run(SMOKE, task="push", method="move", attempts=0), "episodes: 0 given"),
-    (lambda: experiments.fig1_sparse(profile="laptop"), "fig1_sparse: profile: 'laptop' given"),
+    (lambda: fig1_sparse.runs(profile="laptop"), "fig1_sparse: profile: 'laptop' given"),
 ])
 def test_what_no_run_can_be_is_one_clear_line(make, message):
     with pytest.raises(BadInput, match=message) as problem:
@@ -82,7 +84,7 @@ def test_a_profile_is_read_once_however_many_runs_it_makes(monkeypatch):
     real = profiles.read_yaml
     monkeypatch.setattr(profiles, "read_yaml", lambda path: read.append(path) or real(path))
     profile = load_profile("laptop")
-    assert len(experiments.specs("table2_main", profile)) > 60 and len(read) == 1
+    assert len(parameters.specs("table2_main", profile)) > 60 and len(read) == 1
 
 
 def test_a_profile_says_where_its_files_go():
@@ -102,11 +104,11 @@ def test_a_profile_may_choose_how_a_method_collects():
     assert base(method="move", hand_spread=0.01).collection.hand_spread == 0.01  # the experiment's choice is stronger
 
 
-@pytest.mark.parametrize("name", experiments.EXPERIMENTS)
+@pytest.mark.parametrize("name", parameters.with_runs())
 def test_experiments_have_the_papers_methods_and_tasks_and_no_other(name):
     """So a method or a task that is added to the package adds no run to any of them."""
     for profile in map(load_profile, profiles.names()):
-        specs = experiments.specs(name, profile)
+        specs = parameters.specs(name, profile)
         methods = {method for spec in specs if spec.collection for method in spec.collection.methods}
         assert methods <= set(paper.PAPER_METHODS)
         assert {spec.task for spec in specs} <= set(paper.PAPER_TASKS)
@@ -119,4 +121,4 @@ def test_a_new_experiment_needs_one_function(monkeypatch):
     def mine(profile: Profile, seeds: int = 2) -> list[LabelledRun]:
         return grid(partial(control_run, task="push", agent="random"), seed=range(seeds))
 
-    assert [run.labels["seed"] for run in experiments.runs("mine", SMOKE)] == [0, 1]
+    assert [run.labels["seed"] for run in parameters.runs("mine", SMOKE)] == [0, 1]

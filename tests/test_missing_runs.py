@@ -11,13 +11,14 @@ import pytest  # noqa: E402
 
 from move import paths  # noqa: E402
 from move.errors import BadInput  # noqa: E402
-from move.experiments import EXPERIMENTS, registry  # noqa: E402
-from move.report import covered, notebooks  # noqa: E402
+from move.figures import fig_coverage  # noqa: E402
+from move.figures.page.parameters import specs, with_runs  # noqa: E402
 from move.study.profiles import load_profile  # noqa: E402
 
 LAPTOP = load_profile("laptop")
 SLOW = {"fig_coverage"}  # collects anew what its policies learnt from: only its words are tried here
-READING = sorted((set(EXPERIMENTS) - SLOW) | {"claims", "table5_data_sizes"})
+WITH_RUNS = with_runs()
+READING = [name for name in (*WITH_RUNS, "claims") if name not in SLOW]
 
 
 @pytest.fixture
@@ -33,7 +34,7 @@ def figures(tmp_path, monkeypatch):
 def alone(request, tmp_path_factory):
     """A folder with the shipped results of one method alone."""
     folder = tmp_path_factory.mktemp(request.param)
-    for spec in (spec for name in EXPERIMENTS for spec in registry.specs(name, LAPTOP)):
+    for spec in (spec for name in WITH_RUNS for spec in specs(name, LAPTOP)):
         stored = paths.results(LAPTOP) / f"{spec.hash}.json"
         if spec.collection and spec.method == request.param and stored.exists():
             (folder / stored.name).unlink(missing_ok=True)
@@ -46,26 +47,25 @@ def test_a_figure_is_drawn_where_only_one_method_is_there(name, alone, figures, 
     method, folder = alone
     monkeypatch.setattr(paths, "results", lambda profile: folder)
     monkeypatch.setattr("move.claims.evidence.results", lambda profile: folder)
-    own = registry.specs(name, LAPTOP) if name in EXPERIMENTS else []
+    own = specs(name, LAPTOP) if name in WITH_RUNS else []
     if own and not any((folder / f"{spec.hash}.json").exists() for spec in own):
         with pytest.raises(BadInput, match=f"none of the {len(own)} runs"):
-            cells.execute(name, **notebooks.notebook_parameters(name, LAPTOP, {}))
+            cells.execute(name)
         return
-    space = cells.execute(name, **notebooks.notebook_parameters(name, LAPTOP, {}))
-    assert "nan" not in space["answer"] and list(figures.glob(f"{name}*"))
-    if name != "claims" and (missing := len(space["loaded"].missing)):
-        assert f"{missing} of {len(space['loaded'].counted) + missing} runs are missing" in space["answer"]
+    made = cells.execute(name)["made"]
+    assert "nan" not in made.answer.data and list(figures.glob(f"{name}*"))
+    if missing := len(made.data.missing):
+        assert f"{missing} of {len(made.data.counted) + missing} runs are missing" in made.answer.data
 
 
 @pytest.mark.parametrize("name", ["claims", "table2_main"])
 def test_what_a_profile_without_images_has_of_a_figure_is_drawn(name, figures):
-    profile = load_profile("laptop-keypoints")
-    space = cells.execute(name, **notebooks.notebook_parameters(name, profile, {}))
-    assert "nan" not in space["answer"] and list(figures.glob(f"{name}*"))
+    made = cells.execute(name, profile="laptop-keypoints", **({"seeds": 0} if name == "table2_main" else {}))["made"]
+    assert "nan" not in made.answer.data and list(figures.glob(f"{name}*"))
 
 
 def test_coverage_is_told_where_nothing_has_a_counterpart():
     rows = [{"task": task, "moves": moves, "joint": place / 9, "value": place / 12}
             for place, (task, moves) in enumerate((task, moves) for task in ("push", "hammer")
                                                   for moves in ("all", "object", "camera"))]
-    assert "MOVE covers" not in covered.spoken_coverage(pd.DataFrame(rows))
+    assert "MOVE covers" not in fig_coverage.spoken_coverage(pd.DataFrame(rows))

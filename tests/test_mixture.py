@@ -7,8 +7,8 @@ import pytest
 import recipes
 
 from move.errors import BadInput
+from move.figures.plots import style
 from move.learn.evaluate import Evaluation
-from move.report import style
 from move.sim.collect import attempts, collect
 from move.sim.collection import METHODS, Collection
 from move.sim.motion.adc import MENDED, Jumping

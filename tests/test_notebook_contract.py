@@ -9,16 +9,15 @@ import papermill  # noqa: E402
 import pytest  # noqa: E402
 
 from move import paths  # noqa: E402
-from move.experiments import EXPERIMENTS, registry  # noqa: E402
-from move.report import page  # noqa: E402
-from move.report.changes import SHOWN  # noqa: E402
+from move.figures.page import parameters  # noqa: E402
+from move.figures.page.changes import SHOWN  # noqa: E402
 from move.study.profiles import load_profile  # noqa: E402
 
 
-@pytest.mark.parametrize("name", EXPERIMENTS)
+@pytest.mark.parametrize("name", parameters.with_runs())
 def test_a_notebooks_defaults_are_its_experiments(name):
     found = papermill.inspect_notebook(str(paths.NOTEBOOKS / f"{name}.ipynb"))
-    defaults = registry.defaults(name)
+    defaults = parameters.defaults(name)
     assert found.pop("profile")["default"] == '"laptop"'
     extra = set(found) - set(defaults)
     assert set(defaults) <= set(found) and extra == set(SHOWN.get(name, {})), extra

@@ -8,8 +8,9 @@ import pandas as pd
 import pytest
 
 from move.errors import BadInput
-from move.report import printed, style
-from move.report.captions import Caption
+from move.figures.page import printed
+from move.figures.page.captions import Caption
+from move.figures.plots import style
 from move.study.execute import how_far
 from move.video import write_video
 

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 import torch
 
-from move import experiments
+from move.figures.page import parameters
 from move.learn import rollout
 from move.learn.checkpoint import load_policy
 from move.learn.diffusion import DiffusionPolicy
@@ -32,8 +32,8 @@ def protocol(spec: RunSpec) -> str:
 def kinds() -> dict[str, RunSpec]:
     """One run of each kind: who plays, what is seen, where it grasps; the methods in turn."""
     found: dict[str, list[RunSpec]] = {}
-    for figure in experiments.EXPERIMENTS:
-        for spec in experiments.specs(figure, load_profile("paper")):
+    for figure in parameters.with_runs():
+        for spec in parameters.specs(figure, load_profile("paper")):
             found.setdefault(f"{spec.agent}-{spec.observation}-{protocol(spec)}", []).append(spec)
     return {kind: specs[index % len(specs)] for index, (kind, specs) in enumerate(found.items())}
 
@@ -108,7 +108,7 @@ def test_the_recipe_is_the_papers():
 def test_the_plan_turns_a_measured_step_into_hours(monkeypatch):
     profile = load_profile("paper")
     monkeypatch.setattr(plan, "step_seconds", lambda training, demonstrations: 0.5)
-    specs = [spec for spec in experiments.specs("fig1_sparse", profile) if hand_start(spec) == "one place"]
+    specs = [spec for spec in parameters.specs("fig1_sparse", profile) if hand_start(spec) == "one place"]
     (row,) = plan.plan_rows(profile, {"fig1_sparse": specs})
     assert row["missing"] == 6 and row["hours_left"] == pytest.approx(6 * 220_000 * 0.5 / 3600, abs=0.01)
     assert ("GPU-hours" if torch.cuda.is_available() else "no GPU here") in plan.plan_title(profile)
@@ -116,5 +116,5 @@ def test_the_plan_turns_a_measured_step_into_hours(monkeypatch):
 
 def test_a_step_is_measured_by_making_it():
     training = load_profile("laptop").training["keypoints"]
-    (spec, *_) = experiments.specs("keypoint_control", load_profile("laptop"))
+    (spec, *_) = parameters.specs("keypoint_control", load_profile("laptop"))
     assert 1e-4 < plan.step_seconds(training, plan._example(spec, 96)) < 5

@@ -5,7 +5,7 @@ own, are given the cells that it should have been computed from. A wire that is 
 a sentence turns a test red: rates exchanged, a difference turned round, another panel, another method's colour.
 
 Left out are the notebooks that no stored result enters: fig2_overview and demonstrations (they simulate and film; see
-test_coverage, test_film), table3_real_robot (the paper's counts and robot data; test_real_notebook) and
+test_coverage, test_film), table3_real (the paper's counts and robot data; test_real_notebook) and
 table4_hyperparameters (the profiles; test_report). Rollouts shows no film here, for no policy is planted.
 """
 
@@ -32,9 +32,9 @@ from matplotlib.patches import Rectangle  # noqa: E402
 from planted import World, features, planted_steps, planted_successes, visited  # noqa: E402
 from scipy import stats  # noqa: E402
 
+from move.figures.plots import VERDICT_COLOURS  # noqa: E402
+from move.figures.plots.axes import GREY  # noqa: E402
 from move.paper import PAPER, PAPER_TASKS  # noqa: E402
-from move.report.plots import VERDICT_COLOURS  # noqa: E402
-from move.report.plots.axes import GREY  # noqa: E402
 from move.sim import coverage  # noqa: E402
 from move.sim.grasp_points import CIRCLE  # noqa: E402
 from move.sim.tasks import TASKS, get_task  # noqa: E402

@@ -11,7 +11,8 @@ import pytest  # noqa: E402
 from matplotlib.collections import PathCollection  # noqa: E402
 from matplotlib.colors import to_hex  # noqa: E402
 
-from move.report import maps, plots, style  # noqa: E402
+from move.figures import plots  # noqa: E402
+from move.figures.plots import maps, style  # noqa: E402
 
 COLOUR = {"static": "#0072b2", "adc": "#e69f00", "move": "#d55e00"}  # Okabe and Ito: blue, orange, vermillion
 NAME = {"static": "static", "adc": "ADC", "move": "MOVE"}

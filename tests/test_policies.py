@@ -8,18 +8,19 @@ import pytest
 from safetensors.numpy import save_file
 from test_cli import move
 
-from move import experiments, paths
+from move import paths
 from move.errors import BadInput
+from move.figures.page import parameters
+from move.figures.plots import film
 from move.learn.agents import PolicyAgent, Recorded
 from move.learn.evaluate import Evaluation, starts
 from move.machine import gl_problem
-from move.report import film
 from move.sim.tasks import get_task
 from move.study import policies
 from move.study.profiles import load_profile
 
 LAPTOP = load_profile("laptop")
-SPECS = experiments.specs("rollouts", LAPTOP)
+SPECS = parameters.specs("rollouts", LAPTOP)
 
 
 @pytest.mark.skipif(gl_problem() is not None, reason="no GL library on this machine")
@@ -51,7 +52,7 @@ def test_the_policy_of_a_stored_run_is_tried_elsewhere_without_training(capsys):
     (["../x"], "allowed is the hash of a run"),
     ([SPECS[0].hash, "--task", "push"], "task: 'push' given for a policy of pick-place"),
     ([SPECS[0].hash, "--agent", "expert"], "agent: more than one given"),
-    ([experiments.specs("table2_main", LAPTOP)[-1].hash], "allowed are runs that trained a policy"),
+    ([parameters.specs("table2_main", LAPTOP)[-1].hash], "allowed are runs that trained a policy"),
 ])
 def test_a_run_whose_policy_cannot_be_tried_is_one_line(given, why, capsys):
     code, _, err = move(capsys, "evaluate", "--run", *given)

@@ -4,8 +4,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from move.report import printed
-from move.report.printed import latex, readable
+from move.figures.page import printed
+from move.figures.page.printed import latex, readable
 
 ONE = {"low": 0.1, "high": 0.3}
 

@@ -21,11 +21,15 @@ from nbstripout import strip_output  # noqa: E402
 from rich.console import Console  # noqa: E402
 
 from move import (
-    experiments,  # noqa: E402
     paths,  # noqa: E402
 )
 from move.errors import BadInput  # noqa: E402
-from move.report import changes, notebooks, page  # noqa: E402
+from move.figures import fig1_sparse  # noqa: E402
+from move.figures.page import (  # noqa: E402
+    changes,
+    kernels,
+    parameters,  # noqa: E402
+)
 from move.study import execute  # noqa: E402
 from move.study.profiles import load_profile  # noqa: E402
 from move.study.results import Result, store  # noqa: E402
@@ -62,7 +66,7 @@ def test_only_a_command_with_the_profiles_own_parameters_writes_what_is_shipped(
 
 
 def test_other_runs_under_the_same_parameters_are_a_change_too():
-    asked = experiments.specs("fig1_sparse", LAPTOP)
+    asked = parameters.specs("fig1_sparse", LAPTOP)
     assert not changes.change("fig1_sparse", LAPTOP, {}, asked)
     fewer = changes.change("fig1_sparse", LAPTOP, {}, asked[:-1])
     assert fewer and fewer.folder not in (paths.figures(LAPTOP), changes.change("fig1_sparse", LAPTOP, {}, asked[1:]))
@@ -90,7 +94,7 @@ def test_a_changed_picture_says_how_in_large_letters_and_the_page_says_where(ker
 def test_what_is_shipped_is_read_and_what_is_new_is_stored_elsewhere(tmp_path, monkeypatch):
     monkeypatch.setattr(paths, "ROOT", tmp_path)
     monkeypatch.setattr(paths, "BUILD", tmp_path / "build")
-    asked = experiments.fig1_sparse(LAPTOP, "keypoints", timesteps=1500, seeds=2, identical_starts=0)
+    asked = fig1_sparse.runs(LAPTOP, "keypoints", timesteps=1500, seeds=2, identical_starts=0)
     rows = [{"trial": 0, "group": "grid", "success": True, "steps": 3}]
     results = [Result(run.spec, rows, None, None, {"train": 1.0}, {}) for run in asked]
     store(results[0], paths.results(LAPTOP))
@@ -115,7 +119,7 @@ def test_a_changed_notebook_runs_to_its_end_beside_what_is_shipped(tmp_path, mon
     (tmp_path / "notebooks").symlink_to(paths.NOTEBOOKS)
     (tmp_path / "results").symlink_to(paths.ROOT / "results")
     monkeypatch.setattr(paths, "BUILD", tmp_path / "build")
-    notebooks.run_notebook("statistics", LAPTOP, {"draws": 20}, stored_only=True)
+    kernels.run_notebook("statistics", LAPTOP, {"draws": 20}, stored_only=True)
     told = changes.change("statistics", LAPTOP, {"draws": 20})
     assert (told.folder / "statistics.png").exists() and not (tmp_path / "paper_figures").exists()
 

@@ -11,9 +11,10 @@ import pytest  # noqa: E402
 from matplotlib.colors import to_hex  # noqa: E402
 from matplotlib.patches import Rectangle  # noqa: E402
 
+from move.figures.plots import real as real_plots  # noqa: E402
+from move.figures.plots import real_figures, style  # noqa: E402
 from move.paper import REAL_RADIUS_M  # noqa: E402
 from move.realworld.trials import real_table  # noqa: E402
-from move.report import real_figures, real_plots, style  # noqa: E402
 
 COLOUR = {method: style.COLOURS[method].lower() for method in ("static", "move")}
 

@@ -11,10 +11,12 @@ import pytest
 import real_writers as w
 
 from move import paths
+from move.figures import tables
+from move.figures.page import captions, changes
+from move.figures.plots import style
 from move.realworld import trials
-from move.report import captions, changes, style, tables
 
-NAME = "table3_real_robot"
+NAME = "table3_real"
 PARAMETERS = ("profile", "data", "revision", "episodes", "size_cap_gb", "units_file", "sheet")
 
 

@@ -13,12 +13,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from move.figures import tables
+from move.figures.page import printed
+from move.figures.plots import real as real_plots
+from move.figures.plots import real_figures, style
 from move.realworld import tracking, workspace
 from move.realworld.episode import RobotEpisode
 from move.realworld.frames import Frames
 from move.realworld.piper import forward_kinematics
 from move.realworld.trials import real_table
-from move.report import printed, real_figures, real_plots, style, tables
 
 
 def episode(xy, gripper=None, method="move", index=0, frames=None):

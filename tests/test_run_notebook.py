@@ -6,10 +6,10 @@ import nbformat
 import pytest
 from nbclient.exceptions import DeadKernelError
 
-from move import experiments, paths
+from move import paths
 from move.errors import BadInput
-from move.report import notebooks
-from move.report.changes import BY_COMMAND
+from move.figures.page import parameters
+from move.figures.page.changes import BY_COMMAND
 from move.study.profiles import load_profile
 
 SMOKE = load_profile("smoke")
@@ -39,7 +39,7 @@ def start(tmp_path, monkeypatch):
 
     def run(kernels: Kernels, name: str = "table4_hyperparameters", **given):
         monkeypatch.setattr("papermill.execute_notebook", kernels)
-        return notebooks.run_notebook(name, SMOKE, **given)
+        return kernels.run_notebook(name, SMOKE, **given)
 
     return run
 
@@ -74,7 +74,7 @@ def test_a_kernel_knows_who_started_it_and_nobody_after_it_does(start, monkeypat
 def test_a_kernel_that_dies_is_started_once_more_and_then_told_with_the_executed_copy(start, death):
     assert start(Kernels(death, 3)).name == "table4_hyperparameters.ipynb"
     kernels = Kernels(death, death)
-    with pytest.raises(notebooks.NotebookFailed) as told:
+    with pytest.raises(kernels.NotebookFailed) as told:
         start(kernels)
     assert len(kernels.started) == 2 and str(kernels.started[0]["executed"]) in str(told.value)
     assert ("before the last cell" if death == 2 else str(death)) in str(told.value)
@@ -84,7 +84,7 @@ def test_what_is_wrong_in_a_cell_is_not_tried_again(start, monkeypatch):
     from papermill.exceptions import PapermillExecutionError
 
     kernels = Kernels(PapermillExecutionError(1, 1, "source", "KeyError", "'a'", []), 3)
-    with pytest.raises(notebooks.NotebookFailed, match="KeyError: 'a'"):
+    with pytest.raises(kernels.NotebookFailed, match="KeyError: 'a'"):
         start(kernels)
     assert len(kernels.started) == 1 and BY_COMMAND not in os.environ
 
@@ -101,7 +101,7 @@ def test_a_parameter_that_the_notebook_does_not_have_starts_no_kernel(start):
 def test_the_runs_that_are_watched_are_those_without_a_result_each_once(tmp_path, monkeypatch):
     monkeypatch.setattr(paths, "results", lambda profile: tmp_path)
     name, change = "table1_spatial_factors", {"seeds": 2, "profile": "smoke"}
-    wanted = list(dict.fromkeys(spec.hash for spec in experiments.specs(name, SMOKE, {"seeds": 2})))
+    wanted = list(dict.fromkeys(spec.hash for spec in parameters.specs(name, SMOKE, {"seeds": 2})))
     assert notebooks._missing(name, SMOKE, change) == wanted and len(wanted) > len(notebooks._missing(name, SMOKE, {}))
     (tmp_path / f"{wanted[0]}.json").write_text("{}")
     assert notebooks._missing(name, SMOKE, change) == wanted[1:]

@@ -6,8 +6,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from move import experiments
-from move.report import efficiency, tables, variants
+from move.figures import fig4_scaling, fig6_dimensions, fig7_speed, fig_mixture, fig_speed_law, table2_main, tables
+from move.figures.page import parameters
 from move.sim.collect import Collection, collect
 from move.sim.motion.wrappers import Motions
 from move.study.profiles import load_profile
@@ -38,8 +38,8 @@ def test_a_collection_holds_its_frames_once(monkeypatch):
 
 
 def test_figure_4_has_table_2s_runs_and_the_pairs_that_the_paper_calls_equal():
-    runs = [run for run in experiments.fig4_scaling(LAPTOP) if run.spec.training]
-    table = {spec.hash for spec in experiments.specs("table2_main", LAPTOP)
+    runs = [run for run in fig4_scaling.runs(LAPTOP) if run.spec.training]
+    table = {spec.hash for spec in parameters.specs("table2_main", LAPTOP)
              if spec.training and spec.observation == "rgb"}
     assert table <= {run.spec.hash for run in runs}
     asked = {(run.spec.task, run.spec.method, run.spec.collection.timesteps) for run in runs}
@@ -50,26 +50,26 @@ def test_figure_4_has_table_2s_runs_and_the_pairs_that_the_paper_calls_equal():
 
 
 def test_figure_4_has_each_tasks_floor_and_ceiling_and_without_policies_nothing():
-    controls = {(run.spec.task, run.spec.method) for run in experiments.fig4_scaling(LAPTOP) if not run.spec.training}
-    assert controls == {(spec.task, spec.method) for spec in experiments.specs("table2_main", LAPTOP)
+    controls = {(run.spec.task, run.spec.method) for run in fig4_scaling.runs(LAPTOP) if not run.spec.training}
+    assert controls == {(spec.task, spec.method) for spec in parameters.specs("table2_main", LAPTOP)
                         if not spec.training}
-    assert experiments.fig4_scaling(LAPTOP, seeds=0, table_seeds=0) == []
+    assert fig4_scaling.runs(LAPTOP, seeds=0, table_seeds=0) == []
 
 
 def test_figure_6_adds_one_motion_after_the_other_and_ends_with_move():
-    runs = experiments.fig6_dimensions(LAPTOP, seeds=1)
+    runs = fig6_dimensions.runs(LAPTOP, seeds=1)
     moving = {(run.spec.task, run.labels["moves"]): run.spec.collection.moving for run in runs}
     assert moving["pick-place", "object + target"] == ("object", "target")
     assert moving["assembly", "object + target + camera"] == ("object", "target", "camera")
     assert moving["pick-place", "camera alone"] == ("camera",)
-    whole = {run.spec.hash for run in experiments.table2_main(LAPTOP) if run.spec.method == "move"}
+    whole = {run.spec.hash for run in table2_main.runs(LAPTOP) if run.spec.method == "move"}
     for task, last in (("pick-place", "object + target + camera"), ("assembly", "object + target + camera + rotation")):
         assert {run.spec.hash for run in runs if (run.spec.task, run.labels["moves"]) == (task, last)} <= whole
     assert all(run.spec.method == "static" for run in runs if run.labels["moves"] == "nothing")
 
 
 def test_figure_7_varies_one_speed_and_leaves_the_others():
-    runs = [run for run in experiments.fig7_speed(LAPTOP, seeds=1) if run.spec.method == "move"]
+    runs = [run for run in fig7_speed.runs(LAPTOP, seeds=1) if run.spec.method == "move"]
     for run in runs:
         used, usual = run.spec.collection.motions_used, Motions()
         assert used.speed_law == usual.speed_law
@@ -82,7 +82,7 @@ def test_figure_7_varies_one_speed_and_leaves_the_others():
 
 
 def test_a_law_of_the_speeds_changes_the_law_alone():
-    runs = {run.labels["law"]: run.spec for run in experiments.fig_speed_law(LAPTOP, seeds=1)}
+    runs = {run.labels["law"]: run.spec for run in fig_speed_law.runs(LAPTOP, seeds=1)}
     beta = runs["beta"].collection
     assert {name: spec.method for name, spec in runs.items()} == {
         "static": "static", "beta": "move", "uniform": "move", "constant": "move"}
@@ -90,7 +90,7 @@ def test_a_law_of_the_speeds_changes_the_law_alone():
         assert runs[law].collection == beta.model_copy(update={"speed_law": law})
         assert (runs[law].training, runs[law].evaluation) == (runs["beta"].training, runs["beta"].evaluation)
         assert runs[law].collection.motions_used == Motions(speed_law=law)
-    table2 = {run.spec.hash for run in experiments.table2_main(LAPTOP)}
+    table2 = {run.spec.hash for run in table2_main.runs(LAPTOP)}
     assert {runs["static"].hash, runs["beta"].hash} <= table2
 
 
@@ -105,7 +105,7 @@ def test_laws_are_held_against_the_papers():
 
 
 def test_a_mixture_goes_from_static_to_move():
-    runs = experiments.fig_mixture(LAPTOP, seeds=1)
+    runs = fig_mixture.runs(LAPTOP, seeds=1)
     assert [run.spec.method for run in runs] == ["static", "mixture", "mixture", "mixture", "move"]
     assert dict(runs[1].spec.collection.shares) == {"static": 0.75, "move": 0.25}
 

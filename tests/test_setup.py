@@ -10,7 +10,7 @@ import zipfile
 
 import pytest
 
-from move import choices, paths
+from move import paths
 
 STUB = "#!/bin/sh\nmkdir -p .venv/bin; echo \"$@\" > .venv/called; ln -sf /bin/true .venv/bin/python\n"
 

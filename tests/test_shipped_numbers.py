@@ -12,8 +12,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from move import experiments, paper, paths
-from move.report import captions
+from move import paper, paths
+from move.figures.page import captions, parameters
 from move.study.profiles import load_profile
 
 LAPTOP = load_profile("laptop")
@@ -42,7 +42,7 @@ def content(path) -> dict:
 def counted(figure: str, named: tuple[str, ...], **only: object) -> pd.DataFrame:
     """Of an experiment's runs that are stored, by their labels: successes and episodes, one row a run."""
     rows = []
-    for run in experiments.runs(figure, LAPTOP):
+    for run in parameters.runs(figure, LAPTOP):
         path = STORED / f"{run.spec.hash}.json"
         collection = run.spec.collection
         labels = {"timesteps": collection and collection.timesteps, **run.labels, "observation": run.spec.observation,
@@ -202,7 +202,7 @@ MISSING = re.compile(r"(\d+) of (\d+) runs are missing|no run is missing")
 def test_a_caption_counts_the_runs_that_are_missing(name):
     if (notebook := BESIDE.get(name, name)) == "table2_main":
         pytest.skip("counts its own: pixels and keypoints apart")
-    specs = set(experiments.specs(notebook, LAPTOP))
+    specs = set(parameters.specs(notebook, LAPTOP))
     there = {path.stem for path in STORED.glob("*.json")}
     missing = sum(spec.hash not in there for spec in specs)
     told = MISSING.search(came_out(name))

@@ -11,12 +11,13 @@ import pytest
 import recipes
 from pydantic import ValidationError
 
-from move import experiments, paper, paths
+from move import paper, paths
 from move.errors import BadInput
+from move.figures import generalization, table2_main
+from move.figures.page import kernels, parameters
 from move.learn.agents import Expert, Nothing, PolicyAgent, Random
 from move.learn.evaluate import Evaluation, evaluate, starts
 from move.learn.train import train
-from move.report import notebooks, page
 from move.sim.collect import Collection, collect
 from move.sim.configuration import SpatialConfiguration
 from move.sim.motion.adc import MENDED, Jumping
@@ -83,10 +84,10 @@ METHOD_AXES = ("method", "jumping", "share", "moves", "part", "speed")  # labels
 
 
 def test_methods_of_a_figure_differ_in_nothing_but_the_method():
-    for name in set(experiments.EXPERIMENTS) - {"equal_demonstrations"}:  # whose budgets differ, which is its question
+    for name in set(parameters.with_runs()) - {"equal_demonstrations"}:  # whose budgets differ, which is its question
         for profile in map(load_profile, profiles.names()):
             groups: dict[str, set[str]] = {}
-            for asked_for in experiments.runs(name, profile):
+            for asked_for in parameters.runs(name, profile):
                 if asked_for.spec.collection:
                     rest = asked_for.spec.model_dump(mode="json")
                     chosen = {field: rest["collection"].pop(field) for field in OF_THE_METHOD}
@@ -324,7 +325,7 @@ def test_a_wrong_profile_is_one_clear_line(profile_folder, old, new, message):
     assert old in text
     path.write_text(text.replace(old, new, 1))
     with pytest.raises(BadInput, match=message) as problem:
-        experiments.specs("fig1_sparse", load_profile("smoke"))
+        parameters.specs("fig1_sparse", load_profile("smoke"))
     assert "\n" not in str(problem.value)
 
 
@@ -345,25 +346,25 @@ def test_unknown_profiles_and_figures_are_refused():
     with pytest.raises(BadInput, match="allowed are .*laptop"):
         profiles.load_profile("moon")
     with pytest.raises(BadInput, match="allowed are fig1_sparse"):
-        experiments.specs("fig99", load_profile("laptop"))
+        parameters.specs("fig99", load_profile("laptop"))
 
 
 def test_the_plan_counts_what_is_missing():
-    specs = experiments.specs("fig1_sparse", load_profile("smoke"))
+    specs = parameters.specs("fig1_sparse", load_profile("smoke"))
     row = plan_rows(load_profile("smoke"), {"fig1_sparse": specs})[0]
     assert row["runs"] == len(specs) == row["stored"] + row["missing"]
 
 
 def table_2_from_pixels(profile, seeds):
     """Specs of table 2's policies from pixels, however many seeds the profile's notebook asks for."""
-    return [run.spec for run in experiments.table2_main(profile, seeds=seeds) if run.spec.observation == "rgb"]
+    return [run.spec for run in table2_main.runs(profile, seeds=seeds) if run.spec.observation == "rgb"]
 
 
 def test_the_plan_counts_a_shared_training_once(tmp_path, monkeypatch):
     monkeypatch.setattr("move.study.plan.results", lambda profile: tmp_path)
     profile = load_profile("laptop")
     table_2 = table_2_from_pixels(profile, seeds=1)
-    gap = [run.spec for run in experiments.generalization(profile)]
+    gap = [run.spec for run in generalization.runs(profile)]
     rows = plan_rows(profile, {"table 2": table_2, "difference": gap})
     minutes = profile.minutes["rgb"]
     assert rows[0]["hours_left"] == pytest.approx(30 * minutes / 60, abs=0.01)
@@ -481,21 +482,21 @@ def test_table_2_has_ten_tasks_three_methods_and_the_papers_budgets():
 
 
 def test_the_papers_profile_gives_box_close_the_papers_budget():
-    budgets = {spec.collection.timesteps for spec in experiments.specs("table2_main", load_profile("paper"))
+    budgets = {spec.collection.timesteps for spec in parameters.specs("table2_main", load_profile("paper"))
                if spec.task == "box-close" and spec.training}
     assert budgets == {100_000}
 
 
 def test_table_1_shares_its_last_setting_with_table_2():
-    shared = {spec.hash for spec in experiments.specs("table1_spatial_factors", load_profile("laptop"))}
-    shared &= {spec.hash for spec in experiments.specs("table2_main", load_profile("laptop"))}
+    shared = {spec.hash for spec in parameters.specs("table1_spatial_factors", load_profile("laptop"))}
+    shared &= {spec.hash for spec in parameters.specs("table2_main", load_profile("laptop"))}
     assert len(shared) >= 2  # static and MOVE of the seeds that both have
 
 
 def test_the_recipe_is_judged_by_static_alone_where_it_learnt_one_change_at_a_time():
-    specs = experiments.specs("table_recipe", load_profile("laptop"))
+    specs = parameters.specs("table_recipe", load_profile("laptop"))
     assert {spec.method for spec in specs} == {"static"} and {spec.evaluation.starts for spec in specs} == {"own"}
-    runs = experiments.runs("table_recipe", load_profile("laptop"))
+    runs = parameters.runs("table_recipe", load_profile("laptop"))
     assert [run.spec for run in runs] == specs
     for budget in (7000, 20_000):
         changes = [run.labels["change"] for run in runs if run.labels["timesteps"] == budget]
@@ -504,9 +505,9 @@ def test_the_recipe_is_judged_by_static_alone_where_it_learnt_one_change_at_a_ti
 
 def test_the_recipe_that_is_judged_is_the_one_of_the_figures():
     chosen = {run.labels["timesteps"]: run.spec.training
-              for run in experiments.runs("table_recipe", load_profile("laptop")) if run.labels["change"] == "chosen"}
+              for run in parameters.runs("table_recipe", load_profile("laptop")) if run.labels["change"] == "chosen"}
     for figure in ("fig1_sparse", "table1_spatial_factors"):
-        for asked_for in experiments.runs(figure, load_profile("laptop")):
+        for asked_for in parameters.runs(figure, load_profile("laptop")):
             recipe = chosen[asked_for.spec.collection.timesteps]
             steps = round(asked_for.labels.get("length", 1) * recipe.gradient_steps)
             assert asked_for.spec.training == recipe.model_copy(update={"gradient_steps": steps})
@@ -514,7 +515,7 @@ def test_the_recipe_that_is_judged_is_the_one_of_the_figures():
 
 def test_generalization_tries_the_policies_of_table_2_at_their_own_grasps_and_in_motion():
     profile = load_profile("laptop")
-    specs = [run.spec for run in experiments.generalization(profile)]
+    specs = [run.spec for run in generalization.runs(profile)]
     elsewhere, own, moving = ([spec for spec in specs if spec.evaluation.starts == layout]
                               for layout in ("random", "grasp", "moving"))
     table_2 = table_2_from_pixels(profile, seeds=1)
@@ -524,14 +525,14 @@ def test_generalization_tries_the_policies_of_table_2_at_their_own_grasps_and_in
     assert len(specs) == 3 * len(table_2) and {spec.evaluation.episodes for spec in moving} == {100}
     for spec in own:
         assert spec.evaluation.episodes <= max(1, spec.collection.timesteps // EPISODE_STEPS)
-    some = experiments.generalization(profile, tasks=("push",), methods=("move",), seeds=(2,))
+    some = generalization.runs(profile, tasks=("push",), methods=("move",), seeds=(2,))
     assert [(run.spec.task, run.spec.method, run.spec.seed) for run in some] == [("push", "move", 2)] * 3
 
 
 @pytest.mark.parametrize(("figure", "protocol", "points"), [
     ("fig1_sparse", "sparse", "sparse"), ("fig3_dense", "dense", "none"), ("fig5_circle", "circle", "circle")])
 def test_the_preliminary_figures_follow_the_papers_protocol(figure, protocol, points):
-    specs = experiments.specs(figure, load_profile("laptop"))
+    specs = parameters.specs(figure, load_profile("laptop"))
     assert {spec.collection.protocol for spec in specs} == {protocol}
     on_grids = [spec for spec in specs if spec.evaluation.starts == "grid"]
     assert {(spec.evaluation.grid_side, spec.evaluation.points) for spec in on_grids} == {(15, points), (12, points)}
@@ -547,7 +548,7 @@ def test_the_preliminary_figures_follow_the_papers_protocol(figure, protocol, po
 def test_each_method_has_the_same_budgets_seeds_and_hand_starts(figure):
     def design(method):
         return {(spec.collection.timesteps, spec.seed, results.hand_start(spec), spec.evaluation.grid_side)
-                for spec in experiments.specs(figure, load_profile("laptop"))
+                for spec in parameters.specs(figure, load_profile("laptop"))
                 if spec.method == method and spec.evaluation.starts == "grid"}
 
     assert design("static") == design("move")
@@ -555,14 +556,14 @@ def test_each_method_has_the_same_budgets_seeds_and_hand_starts(figure):
 
 
 def test_static_alone_says_how_long_to_train_where_hands_start_anywhere():
-    listed = experiments.runs("fig1_sparse", load_profile("laptop"))
+    listed = parameters.runs("fig1_sparse", load_profile("laptop"))
     own = [asked_for for asked_for in listed if asked_for.spec.evaluation.starts == "own"]
     assert {(one.labels["length"], one.spec.seed) for one in own} == {(n, seed) for n in (1,) for seed in (0, 1)}
     assert {(one.spec.method, results.hand_start(one.spec)) for one in own} == {("static", "anywhere")}
 
 
 def test_fewer_demonstrations_are_figure_1_with_two_and_five_at_a_place_and_its_own_runs_at_ten():
-    few, figure_1 = (experiments.specs(name, load_profile("laptop")) for name in ("few_demonstrations", "fig1_sparse"))
+    few, figure_1 = (parameters.specs(name, load_profile("laptop")) for name in ("few_demonstrations", "fig1_sparse"))
     assert {spec.seed for spec in few} == {0, 1, 2} and {spec.method for spec in few} == {"static", "move"}
     assert {spec.hash for spec in few if spec.collection.timesteps == 7000} <= {spec.hash for spec in figure_1}
     made = {spec.collection.timesteps: collect(spec.collection.model_copy(update={"observation": "keypoints"}), 0)[0]
@@ -573,7 +574,7 @@ def test_fewer_demonstrations_are_figure_1_with_two_and_five_at_a_place_and_its_
 def test_without_gl_no_run_of_smoke_asks_for_images(monkeypatch):
     monkeypatch.setattr(profiles, "gl_problem", lambda: "no GL")
     smoke = load_profile("smoke")
-    assert not [name for name in experiments.EXPERIMENTS for spec in experiments.specs(name, smoke)
+    assert not [name for name in parameters.with_runs() for spec in parameters.specs(name, smoke)
                 if spec.collection and spec.observation == "rgb"]
 
 
@@ -582,9 +583,9 @@ PIXELS_ALONE = ("fig4_scaling", "fig6_dimensions", "fig7_speed", "fig_coverage",
 
 
 def test_a_profile_leaves_the_notebooks_out_that_have_nothing_to_show_in_it():
-    assert set(notebooks.of_profile(load_profile("laptop"))) == set(notebooks.names())
-    assert set(notebooks.names()) - set(notebooks.of_profile(load_profile("paper"))) == {"table_recipe"}
-    left_out = set(notebooks.names()) - set(notebooks.of_profile(load_profile("laptop-keypoints")))
+    assert set(kernels.of_profile(load_profile("laptop"))) == set(notebooks.names())
+    assert set(notebooks.names()) - set(kernels.of_profile(load_profile("paper"))) == {"table_recipe"}
+    left_out = set(notebooks.names()) - set(kernels.of_profile(load_profile("laptop-keypoints")))
     assert left_out == {"table_recipe", "generalization", "fig_training_length", "gap", *PIXELS_ALONE}
     with pytest.raises(BadInput, match="profile paper: has no runs of this figure"):
         page.load_or_run([], load_profile("paper"))

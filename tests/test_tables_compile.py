@@ -5,9 +5,9 @@ import shutil
 import subprocess
 
 import pytest
+from move.report.words import TABLES
 
 from move import paths
-from move.report.words import TABLES
 
 SHIPPED = sorted((paths.ROOT / "paper_figures").glob("*.tex"))
 DOCUMENT = r"""\documentclass[10pt]{article}

@@ -27,8 +27,7 @@ from sphinx.cmd.build import build_main
 
 import move
 from move import paths
-from move.experiments import EXPERIMENTS, registry
-from move.report import changes, notebooks
+from move.figures.page import changes, kernels, parameters
 from move.study.profiles import load_profile
 from move.study.results import Result, split
 
@@ -73,7 +72,7 @@ def listed() -> list[Path]:
     def place(name: str) -> int:
         return next((number for number, begin in enumerate(ORDER) if name.startswith(begin)), len(ORDER))
 
-    figures = sorted(notebooks.of_profile(PROFILE), key=lambda name: (place(name), name))
+    figures = sorted(kernels.of_profile(PROFILE), key=lambda name: (place(name), name))
     return [*sorted(TUTORIAL.glob("*.ipynb")), *(paths.NOTEBOOKS / f"{name}.ipynb" for name in figures)]
 
 
@@ -85,7 +84,7 @@ def executed_copy(path: Path) -> NotebookNode:
     sys.stdout.write(f"make_site: executing {path.stem} ...\n")
     made = paths.BUILD / "site-notebooks" / path.name
     made.parent.mkdir(parents=True, exist_ok=True)
-    given = {} if path.parent == TUTORIAL else notebooks.notebook_parameters(path.stem, PROFILE, {})
+    given = {} if path.parent == TUTORIAL else parameters.parameters(path.stem, PROFILE, {})
     return papermill.execute_notebook(path, made, given, kernel_name="python3", progress_bar=False, cwd=path.parent,
                                       execution_timeout=CELL_SECONDS)
 
@@ -209,9 +208,9 @@ def table_of(stem: str) -> str:
 
 def provenance(name: str) -> str:
     """Every stored run of a figure: what it is, its result's name, where and how long it was computed."""
-    if name not in EXPERIMENTS:
+    if name not in parameters.with_runs():
         return ""
-    there, missing = split(registry.specs(name, PROFILE), paths.results(PROFILE))
+    there, missing = split(parameters.specs(name, PROFILE), paths.results(PROFILE))
     head = "".join(f"<th>{title}</th>" for title in ("run", "hash", "success", "seconds", "processor", "commit"))
     rows = "".join(f"<tr>{''.join(f'<td>{cell}</td>' for cell in provenance_row(result))}</tr>" for result in there)
     lacking = f" {len(missing)} more are not computed yet." if missing else ""

@@ -9,10 +9,10 @@ import json
 
 import numpy as np
 
-from move import experiments
+from move.figures.page import parameters
+from move.figures.plots import film
 from move.learn.agents import PolicyAgent
 from move.learn.diffusion import DiffusionPolicy
-from move.report import film
 from move.sim.scene.scene import Scene
 from move.study import policies
 from move.study.profiles import load_profile
@@ -37,7 +37,7 @@ class Recorder(PolicyAgent):
 def main() -> None:
     """Play, record, and say what came of it."""
     profile = load_profile("laptop")
-    for spec in experiments.specs("rollouts", profile):
+    for spec in parameters.specs("rollouts", profile):
         policy, played = policies.trained_policy(spec, profile), {}
 
         def acting(number: int, policy=policy, played=played, seed=spec.seed) -> Recorder:

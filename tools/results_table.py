@@ -1,19 +1,19 @@
 """Writes README's results, between its markers, from the figures' own tables: `python tools/results_table.py`.
 
-The verdict of a row is that of the ledger's rule (`move/claims/rule.py`); nobody words it. Below the table are figure 4
-as a number and how many of the paper's claims have which verdict.
+The verdict of a row is that of the rule of all verdicts (`move/statistics/verdicts.py`); nobody words it. Below the
+table are figure 4 as a number and how many of the paper's claims have which verdict.
 """
 
 from __future__ import annotations
 
 import pandas as pd
+from move.report.efficiency import spoken_efficiency
 
 from move import paper, paths
 from move.claims.quantities import half_width
-from move.claims.rule import VERDICTS
+from move.figures.tables.differences import difference_verdict, points
 from move.files import written_aside
-from move.report.differences import difference_verdict, points
-from move.report.efficiency import spoken_efficiency
+from move.statistics.verdicts import VERDICTS
 from move.study.profiles import load_profile
 
 HANDS = ("anywhere", "one place")  # where it starts: as in the authors' code; where all demonstrations begin alike

@@ -10,8 +10,8 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from move import yaml_text
-from move.claims.rule import Join
 from move.errors import BadInput
+from move.statistics.verdicts import Join
 from move.validation import first_problem
 
 FILE = Path(__file__).with_name("claims.yaml")
@@ -59,7 +59,7 @@ class Claim(Strict):
     quote: Annotated[str, Field(max_length=100)]
     place: str
     figure: str = Field(description="the notebook that shows it")
-    join: Join = Field(default="every", description="how the findings decide together, see move/claims/rule.py")
+    join: Join = Field(default="every", description="how the findings decide together, see move/statistics/verdicts.py")
     findings: list[Quantity] = Field(min_length=1)
     changed: str = Field(default="", description="what was changed of the claim's rule after its numbers had been seen")
 

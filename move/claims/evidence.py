@@ -12,13 +12,13 @@ import numpy as np
 import pandas as pd
 
 from move.claims.claims import Quantity, Where
-from move.claims.needed import Design
-from move.claims.rule import INFINITE, NAN, Finding, Missing
-from move.experiments import registry
-from move.experiments.noise import known_noise
+from move.figures.page.noise import known_noise
+from move.figures.page.parameters import runs
 from move.paths import results
 from move.sim.grasp_points import CIRCLE
 from move.statistics.estimates import Estimate, TrainingNoise
+from move.statistics.needed import Design
+from move.statistics.verdicts import INFINITE, NAN, Finding, Missing
 from move.study.labels import LabelledRun
 from move.study.profiles import Profile
 from move.study.results import Result, hand_start, split, table
@@ -83,20 +83,20 @@ class Evidence:
         return known_noise(self.profile, "rgb" if self.profile.training.get("rgb") else "keypoints", grid)
 
     def _read(self, experiment: str) -> dict[str, Result]:
-        specs = [run.spec for run in registry.runs(experiment, self.profile)]
+        specs = [run.spec for run in runs(experiment, self.profile)]
         return {result.spec.hash: result for result in split(specs, results(self.profile))[0]}
 
     def _episodes(self, experiment: str) -> pd.DataFrame:
         stored = self._stored(experiment)
         found = table([replace(stored[run.spec.hash], labels=run.labels)
-                       for run in registry.runs(experiment, self.profile) if run.spec.hash in stored])
+                       for run in runs(experiment, self.profile) if run.spec.hash in stored])
         if found.empty:
             return pd.DataFrame(columns=EPISODE_COLUMNS)
         return placed(found) if experiment in ON_A_GRID else found
 
     def _asked(self, experiment: str) -> pd.DataFrame:
         there = set(self.episodes(experiment).run)
-        return pd.DataFrame([_row(run, run.spec.hash in there) for run in registry.runs(experiment, self.profile)])
+        return pd.DataFrame([_row(run, run.spec.hash in there) for run in runs(experiment, self.profile)])
 
     @cached_property
     def _minutes_a_step(self) -> float:

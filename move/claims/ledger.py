@@ -14,7 +14,7 @@ from pydantic import Field
 from move.claims.claims import Claim, Strict, claims, fingerprint
 from move.claims.evidence import Evidence
 from move.claims.quantities import findings
-from move.claims.rule import NAN, UNDECIDED, VERDICTS, Finding, Item, Join, counted, mean_finding, verdict
+from move.statistics.verdicts import NAN, UNDECIDED, VERDICTS, Finding, Item, Join, counted, mean_finding, verdict
 
 COLUMNS = ["number", "claim", "place", "verdict", "evidence", "needed", "figure", "runs", "hashes"]
 MANY = 3  # from so many findings on their answers are counted, and their mean is drawn
@@ -45,7 +45,7 @@ class Entry(Strict):
     claim: str = Field(description="the paper's words, shortened")
     place: str = Field(description="where they are in the paper")
     figure: str = Field(description="the notebook that shows the numbers")
-    join: Join = Field(description="how the numbers decide together, see move/claims/rule.py")
+    join: Join = Field(description="how the numbers decide together, see move/statistics/verdicts.py")
     verdict: str = Field(description=f"one of: {'; '.join(VERDICTS)}")
     numbers: list[Number]
     notes: list[str] = Field(description="what there is in place of a number: missing runs, or why nothing decides it")

@@ -31,8 +31,6 @@ from scipy import stats
 from move import paper
 from move.claims.claims import Claim, Quantity, Where
 from move.claims.evidence import Evidence, region, runs_of
-from move.claims.needed import Trials
-from move.claims.rule import NAN, TWO_SIDED, Contradiction, Finding, Item, Missing, Untested
 from move.realworld.trials import compare
 from move.sim.collection import Collection, Method
 from move.sim.coverage import PARTS, configurations, visited_share
@@ -49,6 +47,8 @@ from move.statistics.estimates import (
     unpaired_difference,
 )
 from move.statistics.intervals import CONFIDENCE
+from move.statistics.needed import Trials
+from move.statistics.verdicts import NAN, TWO_SIDED, Contradiction, Finding, Item, Missing, Untested
 
 Find = Callable[[Evidence, Quantity, str], list[Item]]
 QUANTITIES: dict[str, Find] = {}
@@ -395,7 +395,7 @@ def robot(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
 @quantity("printed_ratio")
 def printed_ratio(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
     """A ratio that the paper says and those that its table of scores gives."""
-    scores = paper.published("table3_real_robot", "score").set_index(["condition", "method"]).value
+    scores = paper.published("table3_real", "score").set_index(["condition", "method"]).value
     ratios = tuple(float(scores[size, "move"] / scores[size, "static"]) for size in ("35000", "75000"))
     return [Contradiction(each.paper.value[0], ratios, each.what)]
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Literal, Optional
 
 import typer
 
-from move import choices
+from move import figures
 from move.sim.tasks import TASKS
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ def _profiles() -> list[str]:
 
 
 def _figures() -> list[str]:
-    return [*choices.short_names(), *choices.notebooks()]
+    return [*figures.short_names(), *figures.names()]
 
 
 Json = Annotated[bool, typer.Option("--json", help="print JSON for machines instead of a table for people")]

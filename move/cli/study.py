@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Optional
 
 import typer
 
-from move import choices, paths
+from move import figures as listed
+from move import paths
 from move.cli.options import LARGEST_SEED, Figures, Json, Parameters, ProfileName, app, examples
 from move.cli.output import Report, progress, show, show_paths
 from move.cli.parameters import parameters
@@ -33,14 +34,13 @@ def chosen_specs(
     Raises:
         BadInput: a figure that needs no runs, or a parameter that it does not have.
     """
-    from move import experiments
+    from move.figures.page.parameters import specs, with_runs
 
     if changes and not figures:
         raise BadInput(f"-p {next(iter(changes))}: given for all figures; allowed with the figures that it is for")
-    if without := [name for name in figures or [] if name not in experiments.EXPERIMENTS]:
-        raise BadInput(f"figure: {without[0]!r} given, which needs no runs; allowed are "
-                       f"{', '.join(experiments.EXPERIMENTS)}")
-    return {figure: experiments.specs(figure, profile, changes) for figure in figures or experiments.EXPERIMENTS}
+    if without := [name for name in figures or [] if name not in with_runs()]:
+        raise BadInput(f"figure: {without[0]!r} given, which needs no runs; allowed are {', '.join(with_runs())}")
+    return {figure: specs(figure, profile, changes) for figure in figures or with_runs()}
 
 
 def _asked(profile: str, figures: list[str] | None) -> tuple[Profile, list[str]]:
@@ -52,7 +52,23 @@ def _asked(profile: str, figures: list[str] | None) -> tuple[Profile, list[str]]
     from move.study.profiles import load_profile
 
     paths.refuse_outside_checkout()
-    return load_profile(profile), list(dict.fromkeys(choices.notebook(name) for name in figures or []))
+    return load_profile(profile), list(dict.fromkeys(listed.named(name) for name in figures or []))
+
+
+def _changes(given: list[str] | None, names: list[str]) -> dict[str, Any]:
+    """What `-p` changes of the parameters of figures.
+
+    Raises:
+        BadInput: no name=value, or a parameter that one of the figures does not have.
+    """
+    if not given:
+        return {}
+    from move.figures.page.parameters import refuse_unknown, texts
+
+    changes = parameters(given, {text for name in names for text in texts(name)})
+    for name in names:
+        refuse_unknown(name, changes)
+    return changes
 
 
 @app.command(epilog=examples("move run fig1", "move run --profile smoke --workers 2",
@@ -95,9 +111,7 @@ def plan(figures: Figures = None, profile: ProfileName = "laptop", parameter: Pa
          as_json: Json = False) -> None:
     """Show what would run, how long it would take and why, without running anything."""
     chosen, names = _asked(profile, figures)
-    changes = parameters(parameter, choices.texts(names or choices.notebooks()))
-    for name in names:
-        choices.refuse_unknown_parameters(name, changes)
+    changes = _changes(parameter, names)
     from move.study.plan import plan_rows, plan_title
 
     rows = plan_rows(chosen, chosen_specs(chosen, names, changes))
@@ -148,17 +162,16 @@ def figure(
 ) -> None:
     """Execute notebooks, which run what is missing and write their figures and tables."""
     chosen, names = _asked(profile, figures)
-    changes = parameters(parameter, choices.texts(names or choices.notebooks()))
-    for name in names:
-        choices.refuse_unknown_parameters(name, changes)
+    changes = _changes(parameter, names)
     for place in (paths.figures(chosen), paths.BUILD / "notebooks" / profile):
         refuse_unwritable(place / "figure.png")
-    from move.report import notebooks
-    from move.report.changes import change
+    from move.figures.page import kernels
+    from move.figures.page.changes import change
+    from move.figures.page.parameters import parameters as check
 
-    names = names or notebooks.of_profile(chosen)
+    names = names or kernels.of_profile(chosen)
     for name in names:  # all of them are checked before the first one runs
-        notebooks.notebook_parameters(name, chosen, changes)
+        check(name, chosen, changes)
     rows: list[dict[str, Any]] = []
     failed: list[str] = []
     with progress("figures") as report:
@@ -169,9 +182,9 @@ def figure(
             report(number, len(names), text=text)
             began = time.time()
             try:
-                executed = notebooks.run_notebook(name, chosen, changes, stored_only,
+                executed = kernels.run_notebook(name, chosen, changes, stored_only,
                                                   partial(_report_runs, report, text, number, len(names)))
-            except (notebooks.NotebookFailed, BadInput) as failure:
+            except (kernels.NotebookFailed, BadInput) as failure:
                 if len(names) == 1 and isinstance(failure, BadInput):
                     raise
                 failed.append(name)

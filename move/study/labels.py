@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from itertools import product
 from typing import Any
 
 from move.errors import BadInput
 from move.learn.evaluate import Evaluation
+from move.study.profiles import NoRecipe
 from move.study.spec import RunSpec
 
 Label = str | int | float | bool | None
@@ -35,7 +37,7 @@ class LabelledRun:
 
 
 def grid(base: Callable[..., RunSpec], **axes: Axis) -> list[LabelledRun]:
-    """The product of named axes, the last one running fastest.
+    """The product of named axes, the last one running fastest, without runs for which the profile has no recipe.
 
     Args:
         base: makes a run from one value of each axis, given by name; such as a `partial` of those in `kinds`.
@@ -52,8 +54,11 @@ def grid(base: Callable[..., RunSpec], **axes: Axis) -> list[LabelledRun]:
     """
     choices = [[(name, label, settings) for label, settings in _settings(name, axis).items()]
                for name, axis in axes.items()]
-    return [LabelledRun(base(**_merged(chosen)), {name: label for name, label, _ in chosen})
-            for chosen in product(*choices)]
+    runs = []
+    for chosen in product(*choices):
+        with suppress(NoRecipe):
+            runs.append(LabelledRun(base(**_merged(chosen)), {name: label for name, label, _ in chosen}))
+    return runs
 
 
 def _settings(name: str, axis: Axis) -> dict[Label, Mapping[str, Any]]:

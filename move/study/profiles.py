@@ -10,11 +10,11 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
 from move import yaml_text
-from move.choices import Method, notebooks
+from move.choices import Method
 from move.errors import BadInput
 from move.learn.settings import Training
 from move.machine import gl_problem
-from move.paths import IN_CHECKOUT, PROFILES
+from move.paths import IN_CHECKOUT, NOTEBOOKS, PROFILES
 from move.sim.collection import Collection
 from move.sim.observe import IMAGE_SIZE, ObservationKind
 from move.validation import first_problem
@@ -23,6 +23,10 @@ Budget = Annotated[int, Field(gt=0, le=10**8)]  # timesteps
 Steps = Annotated[int, Field(gt=0, le=10**7)]
 CHOSEN_ELSEWHERE = ("task", "method", "timesteps", "observation")  # of a collection: by the experiment
 Minutes = Annotated[float, Field(gt=0, le=10**6, allow_inf_nan=False)]
+
+
+class NoRecipe(BadInput):
+    """A profile does not say how policies that see so are trained."""
 
 
 class Profile(BaseModel):
@@ -53,7 +57,9 @@ class Profile(BaseModel):
         default_factory=dict, description="by observation: gradient steps for so many timesteps of data"
     )
     notebooks: dict[str, dict[str, Any]] = Field(description="parameters that differ from the notebook's own")
-    without_gl: dict[str, dict[str, Any]] = Field(default_factory=dict, description="the same, where nothing can draw")
+    leaves_out_pixels: bool = Field(
+        default=False, description="whether runs from pixels are left out, and not refused, where nothing can draw"
+    )
     minutes: dict[ObservationKind, Minutes] = Field(
         default_factory=dict, description="of a run alone on one core, by observation"
     )
@@ -85,17 +91,23 @@ class Profile(BaseModel):
             raise ValueError(f"{wrong[0]!r} given; allowed are {', '.join(allowed)}")
         return collection
 
-    @field_validator("notebooks", "without_gl")
+    @field_validator("notebooks")
     @classmethod
     def _of_notebooks_that_exist(cls, changed: dict[str, dict[str, Any]]) -> dict[str, dict[str, Any]]:
-        if IN_CHECKOUT and (unknown := sorted(set(changed) - set(notebooks()))):
-            raise ValueError(f"no notebook {', '.join(unknown)}; allowed are {', '.join(notebooks())}")
+        known = sorted(path.stem for path in NOTEBOOKS.glob("*.ipynb"))
+        if IN_CHECKOUT and (unknown := sorted(set(changed) - set(known))):
+            raise ValueError(f"no notebook {', '.join(unknown)}; allowed are {', '.join(known)}")
         return changed
 
     def parameters(self, notebook: str) -> dict[str, Any]:
-        """What this profile changes in `notebook`, on this machine."""
-        changed = self.notebooks.get(notebook, {})
-        return {**changed, **self.without_gl.get(notebook, {})} if gl_problem() else changed
+        """What this profile changes in `notebook`."""
+        return self.notebooks.get(notebook, {})
+
+    @property
+    def observations(self) -> tuple[str, ...]:
+        """What policies of this profile can see on this machine."""
+        hidden = ("rgb",) if self.leaves_out_pixels and gl_problem() else ()
+        return tuple(name for name in self.training if name not in hidden)
 
     def recipe(self, observation: str, timesteps: int) -> Training:
         """How policies that see `observation` are built and trained on so many timesteps.
@@ -104,10 +116,10 @@ class Profile(BaseModel):
         proportion to the data, and below the first they stay. Without entries they are the recipe's own.
 
         Raises:
-            BadInput: the profile has no such recipe.
+            NoRecipe: the profile has none for it.
         """
-        if observation not in self.training:
-            raise BadInput(f"observation: {observation!r} given; this profile has {', '.join(self.training)}")
+        if observation not in self.observations:
+            raise NoRecipe(f"observation: {observation!r} given; this profile has {', '.join(self.observations)}")
         recipe, chosen = self.training[observation], sorted(self.gradient_steps.get(observation, {}).items())
         if not chosen:
             return recipe

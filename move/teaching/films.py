@@ -6,12 +6,12 @@ import numpy as np
 from IPython.display import Markdown, Video
 
 from move import paths
+from move.figures.plots import film
+from move.figures.plots.style import NAMES
 from move.learn.agents import PolicyAgent
 from move.learn.diffusion import DiffusionPolicy
 from move.machine import gl_problem
 from move.paper import PAPER_METHODS
-from move.report import film
-from move.report.style import NAMES
 from move.study.spec import PolicyRun
 from move.video import write_video
 

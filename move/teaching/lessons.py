@@ -16,13 +16,14 @@ import torch
 from IPython.display import Markdown, display
 from matplotlib.axes import Axes
 
-from move import experiments, paths
+from move import paths
+from move.figures.page.parameters import runs as runs_of
+from move.figures.plots.style import COLOURS, NAMES
 from move.learn.dataset import window_indices
 from move.learn.diffusion import DiffusionPolicy, noise_schedule
 from move.learn.settings import Training
 from move.learn.train import TrainingReport, train
 from move.machine import gl_problem
-from move.report.style import COLOURS, NAMES
 from move.sim.collect import Collection, collect
 from move.sim.collection import Method
 from move.sim.demonstrations import Demonstrations
@@ -145,7 +146,7 @@ def draw_loss(report: TrainingReport) -> None:
 def stored(figure: str, profile: str) -> pd.DataFrame:
     """The episodes of a figure's stored runs, one row each; nothing is computed."""
     chosen = load_profile(profile)
-    runs = {run.spec.hash: run for run in experiments.runs(figure, chosen)}
+    runs = {run.spec.hash: run for run in runs_of(figure, chosen)}
     there, _ = results.split([run.spec for run in runs.values()], paths.results(chosen))
     return results.table(there)
 

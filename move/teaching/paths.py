@@ -11,7 +11,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from scipy import stats
 
-from move.report.style import COLOURS
+from move.figures.plots.style import COLOURS
 from move.sim.configuration import vector
 from move.sim.coverage import ANGLES, PARTS, visited_share
 from move.sim.motion import equations

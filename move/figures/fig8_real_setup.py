@@ -1,0 +1,111 @@
+"""Figure 8: real-robot demonstrations in whatever layout they come: the arm's ways, the object's places, its speed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, NamedTuple
+
+import pandas as pd
+from matplotlib.figure import Figure
+from pydantic import Field
+
+from move import paths
+from move.figures.page.captions import Words
+from move.figures.page.data import Data
+from move.figures.plots import real_figures
+from move.figures.plots.style import NAMES
+from move.realworld import RobotDataSet, check_dataset, checks_table, open_dataset, tracking, workspace, write_sample
+
+Revision = Annotated[str, Field(pattern=r"^([0-9a-f]{40})?$")]
+Episodes = Annotated[int, Field(gt=0, le=10**5, strict=True)]
+Gigabytes = Annotated[float, Field(gt=0, le=10**5, allow_inf_nan=False)]
+
+
+class Seen(NamedTuple):
+    """The demonstrations, the cells that the end effector visited, its ways, and the places of the object."""
+
+    demos: RobotDataSet
+    cells: pd.DataFrame
+    steps: pd.DataFrame
+    places: pd.DataFrame
+
+
+def seen(
+    data: Data, *, dataset: str = "", revision: Revision = "", episodes: Episodes = 20, size_cap_gb: Gigabytes = 2.0,
+    units_file: str = "",
+) -> Seen:
+    """A data set's demonstrations, opened.
+
+    Args:
+        dataset: a folder, or owner/name on the Hub such as "BAAI/MOVE"; empty: the simulated sample.
+        revision: a full commit of 40 digits; empty: the Hub is asked once for the newest.
+        episodes: how many demonstrations are read of each part.
+        size_cap_gb: never fetch more than this.
+        units_file: YAML that overrides the detected units; empty: detect.
+    """
+    demos = open_dataset(
+        dataset or write_sample(paths.REALWORLD / "sample", episodes=episodes), revision=revision or None,
+        episodes=episodes, size_cap_gb=size_cap_gb, units_file=Path(units_file) if units_file else None, log=print)
+    camera = next((name for episode in demos.episodes for name in episode.cameras), "")
+    steps = workspace.path_table(demos.episodes)
+    return Seen(demos, workspace.coverage_by_method(workspace.equal_budget(steps)), steps,
+                tracking.object_places(demos.episodes, camera))
+
+
+def source(data: Data) -> str:
+    """Which data set it is, and how much of it was read."""
+    return data.seen.demos.origin
+
+
+def tables(data: Data) -> dict[str, pd.DataFrame]:
+    """What was checked."""
+    return {"checks": checks_table(check_dataset(data.seen.demos))}
+
+
+def draw(tables: dict[str, pd.DataFrame], data: Data) -> dict[str, Figure]:
+    """For each method its ways, the cells visited, and frames; and where the object was seen, if it was."""
+    demos, cells, steps, places = data.seen
+    figures = {"fig8_real_setup": real_figures.setup_figure(
+        cells, steps, workspace.frame_strips(demos.episodes), simulated=demos.simulated,
+        lacking=workspace.why_no_positions(demos.episodes))}
+    if len(places):
+        speeds = tracking.object_speeds(places, metres_per_pixel=demos.about.get("metres_per_pixel"))
+        figures["fig8_object_places"] = real_figures.object_figure(places, speeds, simulated=demos.simulated)
+    return figures
+
+
+def answer(tables: dict[str, pd.DataFrame], data: Data) -> dict[str, str]:
+    """What share of the table's cells the arm visits, and in what share of the image's cells the object was seen."""
+    demos, cells, _, places = data.seen
+    visited = (cells.visits > 0).groupby(cells.method, sort=False).mean()
+    ways = "; ".join(f"{NAMES[method]}: the end effector passed through {share:.0%} of the table's cells"
+                     for method, share in visited.items())
+    objects = "; ".join(
+        f"{NAMES[method]}: in {len(rows)} frames the orange was seen in {tracking.seen_share(rows):.0%} of the image's "
+        "cells" for method, rows in workspace.equal_budget(places).groupby("method"))
+    return {"fig8_real_setup": "; ".join(filter(None, (ways, workspace.why_no_positions(demos.episodes)))),
+            "fig8_object_places": objects or "Nothing to compare"}
+
+
+WORDS = Words(
+    title="Figure 8. The real-robot setup: workspace and demonstrations",
+    shown=(
+        "Left: the way of the end effector to each grasp (dots), seen from above on the half disc of 60 cm radius; the "
+        "black square is the arm's base, y grows to the left as seen by the arm. Right: the cells of 5 cm that it "
+        "passed through, up to as many timesteps for each method. Below: frames of one demonstration of each method, "
+        "each at its own times; orange: the object, blue: the tray it is put on, black: the fingers."),
+    alt="Half discs with trajectories and visited cells, and two strips of images from above.",
+    tables={
+        "checks": "What was checked in the real-robot demonstrations.",
+    },
+    others={
+        "fig8_object_places": Words(
+            title="Figure 8, continued. Where the object was, and how fast it moved",
+            shown=(
+                "(a, b) Where the orange was seen in the image up to its grasp, joined within a demonstration. (c) Its "
+                "mean speed before the grasp, one dot a demonstration, spread sideways to be told apart. The orange is "
+                "followed by its colour; what a still orange seems to move is the noise of that."),
+            alt="Two maps of an image with dots and lines, and a strip of dots for the speeds.",
+        ),
+    },
+)

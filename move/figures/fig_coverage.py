@@ -1,0 +1,121 @@
+"""Is it coverage? Success of the policies of table 2 and figure 6 against what their data cover."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import matplotlib.pyplot as plt
+import pandas as pd
+from matplotlib.figure import Figure
+from scipy import stats
+
+from move.figures import fig6_dimensions, plots
+from move.figures.page.captions import INTERVALS, RATES, Words
+from move.figures.page.data import Data
+from move.figures.page.make import steps
+from move.figures.page.parameters import Count, Seeds
+from move.figures.plots.style import PAGE_WIDTH, titles
+from move.figures.tables import rate_table
+from move.paper import PAPER_TASKS
+from move.sim import coverage
+from move.sim.tasks import get_task
+from move.study.axes import budgets
+from move.study.kinds import policy_run
+from move.study.labels import LabelledRun, distinct, grid
+from move.study.profiles import Profile
+from move.study.spec import PolicyRun
+
+
+def runs(
+    profile: Profile, tasks: tuple[str, ...] = PAPER_TASKS,
+    dimension_tasks: tuple[str, ...] = ("pick-place", "assembly"),
+    seeds: Seeds = 3, episodes: Count = 100, most_timesteps: Count = 20_000,
+) -> list[LabelledRun]:
+    """Policies of table 2 from pixels, and of figure 6 on some tasks.
+
+    Labels `task` and `moves`: what moves in the demonstrations, "nothing", "jumps" for ADC, or "all" for MOVE.
+    """
+    base = partial(policy_run, profile, episodes=episodes)
+    methods = {"nothing": "static", "jumps": "adc", "all": "move"}
+    runs = grid(base, seed=range(seeds), task=budgets(tasks, most_timesteps),
+                moves={name: {"method": method} for name, method in methods.items()})
+    return distinct(runs + fig6_dimensions.runs(
+        profile, tasks=dimension_tasks, alone_tasks=[task for task in dimension_tasks if task == "pick-place"],
+        seeds=seeds, episodes=episodes, most_timesteps=most_timesteps))
+
+
+def seen(data: Data, *, covered_timesteps: Count = 5000) -> pd.DataFrame:
+    """One row a task and what moves in its data: success with its interval, and shares of cells that the data visit.
+
+    Columns task, moves, method, value, low, high; object, target, camera and joint (object position and camera angle
+    together), measured on the first seed's data, of which the first timesteps are collected again without images.
+    """
+    first = {(result.spec.task, result.labels["moves"]): result.spec for result in reversed(data.results)
+             if isinstance(result.spec, PolicyRun)}
+    shares = []
+    for (task, moves), spec in steps(first.items(), "collections"):
+        fewer = spec.collection.model_copy(update={
+            "timesteps": min(covered_timesteps, spec.collection.timesteps), "observation": "keypoints"})
+        found = coverage.configurations(fewer, spec.seed)
+        shares.append({"task": task, "moves": moves, "joint": coverage.visited_joint_share(found, get_task(task)),
+                       **{part: coverage.visited_share(found, get_task(task), part) for part in coverage.PARTS}})
+    rates = rate_table(data.episodes, ["task", "moves", "method"], data.noise())
+    return rates.merge(pd.DataFrame(shares), on=["task", "moves"])
+
+
+def tables(data: Data) -> dict[str, pd.DataFrame]:
+    """Success and coverage of each cell."""
+    return {"": data.seen.drop(columns=["method", "seeds", "episodes", "trainings"])}
+
+
+def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:
+    """Success against what the data cover: of the object, of the camera, of both together."""
+    figure, axes = plt.subplots(1, 3, figsize=(PAGE_WIDTH, 2.6), sharey=True)
+    for ax, column in zip(axes, ("object", "camera", "joint"), strict=True):
+        plots.covered(data.seen, column, ax)
+        ax.set_ylabel("success (%)" if ax is axes[0] else "")
+    titles(list(axes), ["object", "camera", "both together"])
+    figure.legend(*axes[0].get_legend_handles_labels(), ncol=4, loc="outside upper center")
+    return figure
+
+
+def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
+    """How success goes with coverage, and how little that says."""
+    return (
+        "**The paper:** one demonstration in motion covers more of space, and that is why MOVE works. **Here:** "
+        f"{spoken_coverage(data.seen)} **How sure:** a rank correlation over few tasks says little, and cells share "
+        f"policies. {data.behind}")
+
+
+def spoken_coverage(table: pd.DataFrame) -> str:
+    """How success goes with joint coverage, in words: within tasks, and of MOVE's gain over the tasks' gains."""
+    several = table[table.groupby("task").task.transform("size") > 1]
+    if len(several) < 3:
+        return "Fewer than three cells are stored."
+    centred = several[["joint", "value"]] - several.groupby("task")[["joint", "value"]].transform("mean")
+    within = stats.spearmanr(centred.joint, centred.value)
+    said = [f"Within tasks ({len(several)} cells of {several.task.nunique()}) success and joint coverage have the rank "
+            f"correlation {within.statistic:+.2f} (p = {within.pvalue:.3f})"]
+    ends = table[table.moves.isin(["nothing", "all"])].pivot(index="task", columns="moves", values=["joint", "value"])
+    ends = ends.reindex(columns=pd.MultiIndex.from_product([["joint", "value"], ["nothing", "all"]])).dropna()
+    if len(ends) > 2:
+        gains = {name: ends[name]["all"] - ends[name]["nothing"] for name in ("joint", "value")}
+        over = stats.spearmanr(gains["joint"], gains["value"])
+        said.append(f"over {len(ends)} tasks MOVE covers {100 * gains['joint'].min():+.0f} to "
+                    f"{100 * gains['joint'].max():+.0f} points more than static, and that gain and its gain in success "
+                    f"({100 * gains['value'].min():+.0f} to {100 * gains['value'].max():+.0f} points) have "
+                    f"{over.statistic:+.2f} (p = {over.pvalue:.3f})")
+    return "; ".join(said) + "."
+
+
+WORDS = Words(
+    title="Does success follow what the data cover?",
+    shown=(
+        f"Success from pixels against the share of equal cells that the data visit: (a) of the object's positions, (b) "
+        f"of the camera's angles, (c) of both together. One mark a task and way to collect, triangles where parts of "
+        f"MOVE move alone; grey lines join the marks of a task. {INTERVALS}"),
+    alt="Three clouds of points in the methods' colours, joined task by task.",
+    tables={
+        "": f"Success, and shares of cells that the data visit in their first timesteps. {RATES}",
+    },
+)

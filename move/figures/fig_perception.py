@@ -1,0 +1,96 @@
+"""Figures 1, 3 and 5 and table 1 from pixels and with perception given: what is left of the effect?"""
+
+from __future__ import annotations
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from move.figures import fig1_sparse, fig3_dense, fig5_circle, plots, table1_spatial_factors
+from move.figures.page.captions import DIFFERENCES, INTERVALS, RATES, Words
+from move.figures.page.data import Data
+from move.figures.page.parameters import Count, Observation
+from move.figures.plots.panels import SEEN, methods_and_seeds
+from move.figures.plots.style import PAGE_WIDTH, titles
+from move.figures.tables import difference_table, joined, rate_table, spoken_difference
+from move.study.labels import LabelledRun
+from move.study.profiles import Profile
+
+REPEATED = True
+PRELIMINARY = {"figure 1": fig1_sparse, "figure 3": fig3_dense, "figure 5": fig5_circle}
+BY = ["observation", "experiment", "method"]
+
+
+def runs(
+    profile: Profile, timesteps: Count = 7000, table_timesteps: Count = 20_000, seeds: Count = 3,
+    grid_side: Count = 15, episodes: Count = 100, observations: tuple[Observation, ...] = ("rgb", "keypoints"),
+) -> list[LabelledRun]:
+    """The runs of those figures, whose label `experiment` is such as "figure 1" or "table 1, all".
+
+    Observations without a recipe in the profile are left out.
+    """
+    runs: list[LabelledRun] = []
+    for observation in [name for name in observations if name in profile.observations]:
+        for name, figure in PRELIMINARY.items():
+            budget = (timesteps,) if figure is fig3_dense else timesteps
+            alone = {"lengths": ()} if figure is fig1_sparse else {}
+            runs += [run.labelled(experiment=name) for run in figure.runs(
+                profile, observation=observation, timesteps=budget, seeds=seeds, near_hands=0, identical_starts=0,
+                grid_side=grid_side, **alone)]
+        runs += [run.labelled(experiment=f"table 1, {run.labels['factors']}") for run in table1_spatial_factors.runs(
+            profile, observation=observation, timesteps=table_timesteps, seeds=seeds, episodes=episodes)]
+    return runs
+
+
+def tables(data: Data) -> dict[str, pd.DataFrame]:
+    """Rates, and for each observation MOVE minus static in every experiment."""
+    tried = data.episodes[data.episodes.group != "point"]  # elsewhere than at the grasp points of the data
+    on_grid = tried.experiment.str.startswith("figure")  # where trainings differ more than in table 1
+    parts = [(seen, rows, data.noise(seen, grid))
+             for (seen, grid), rows in tried.groupby([tried.observation, on_grid], sort=False)]
+    compared = {seen: joined([difference_table(rows, "experiment", ("static",), noise)
+                              for other, rows, noise in parts if other == seen])
+                for seen in tried.observation.unique()}
+    return {"": pd.concat([rate_table(rows, BY, noise) for _, rows, noise in parts]),
+            **{f"differences_{seen}": table for seen, table in compared.items()}}
+
+
+def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:
+    """Static beside MOVE in several experiments, from pixels and from keypoints."""
+    rates = data.with_missing(tables[""], BY)
+    kinds = list(rates.observation.unique())
+    figure, axes = plt.subplots(1, len(kinds), figsize=(PAGE_WIDTH, 2.6), sharey=True, squeeze=False)
+    for ax, kind in zip(axes.flat, kinds, strict=True):
+        rows = rates[rates.observation == kind]
+        labels = [name.replace(", ", "\n").replace("+", "\n+ ") for name in rows.experiment.unique()]
+        plots.grouped_rates(rows.assign(paper=np.nan), "experiment", labels, ax)
+        ax.set_ylabel("success (%)" if ax is axes[0, 0] else "")
+    titles(list(axes.flat), [SEEN[kind] for kind in kinds])
+    methods_and_seeds(figure, rates)
+    return figure
+
+
+def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
+    """MOVE minus static in every experiment, from pixels and from keypoints."""
+    names = {"rgb": "from pixels", "keypoints": "from keypoints"}
+    each = "; ".join(f"{row.experiment}, {names[seen]} {spoken_difference(row)}" for seen in names
+                     for row in tables.get(f"differences_{seen}", pd.DataFrame()).itertuples())
+    return ("**The paper** has no results from keypoints. **Here:** MOVE minus static, "
+            f"{each}. **How sure:** the words hold after Holm's adjustment for one kind of observation. {data.behind}")
+
+
+WORDS = Words(
+    title="What is left when perception is given",
+    shown=(
+        f"Success in figures 1, 3 and 5 and in table 1 away from the demonstrations' own grasp points, (a) from pixels "
+        f"and (b) from keypoints. {INTERVALS} White dots are single seeds."),
+    alt="Two panels of bars, static beside MOVE in each experiment.",
+    tables={
+        "": f"Figures 1, 3 and 5 and table 1, from pixels and from keypoints. {RATES}",
+        "differences_rgb": f"Figures 1, 3 and 5 and table 1, from pixels. {DIFFERENCES}",
+        "differences_keypoints": (
+            "Figures 1, 3 and 5 and table 1, from keypoints, perception given. "
+            f"{DIFFERENCES}"),
+    },
+)

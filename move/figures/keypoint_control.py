@@ -1,0 +1,97 @@
+"""What is left when perception is given? Pick-Place from keypoints at several budgets, between floor and ceiling."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import matplotlib.pyplot as plt
+import pandas as pd
+from matplotlib.figure import Figure
+
+from move import paper
+from move.figures import plots
+from move.figures.page.captions import DIFFERENCES, INTERVALS, RATES, Words
+from move.figures.page.data import Data
+from move.figures.page.parameters import Count, Repeats
+from move.figures.plots.style import COLUMN_WIDTH, NAMES, titles
+from move.figures.tables import difference_means, difference_table, rate_table, spoken_differences
+from move.paper import PAPER_METHODS
+from move.sim.observe import IMAGE_SIZE
+from move.study.axes import floors_and_ceilings
+from move.study.kinds import policy_run
+from move.study.labels import LabelledRun, grid
+from move.study.profiles import Profile
+
+REPEATED = True
+UNUSED_IMAGE_SIZE = IMAGE_SIZE  # enters the hashes of these runs from keypoints, whatever the profile's is
+
+
+def runs(
+    profile: Profile, timesteps: tuple[Count, ...] = (1250, 2500, 5000), seeds: Repeats = 5, episodes: Count = 100
+) -> list[LabelledRun]:
+    """All factors random: three methods at several budgets, the expert, and who learnt nothing."""
+    base = partial(policy_run, profile, task="pick-place", observation="keypoints", image_size=UNUSED_IMAGE_SIZE,
+                   episodes=episodes)
+    policies = grid(base, timesteps=timesteps, method=PAPER_METHODS, seed=range(seeds))
+    return policies + floors_and_ceilings(["pick-place"], episodes)
+
+
+def tables(data: Data) -> dict[str, pd.DataFrame]:
+    """Rates at every budget, differences, and their mean."""
+    noise, policies = data.noise("keypoints"), data.episodes[data.episodes.kind == "policy"]
+    return {
+        "": rate_table(policies, ["method", "timesteps"], noise),
+        "differences": difference_table(policies, "timesteps", known=noise),
+        "differences_mean": difference_means(policies, "timesteps", known=noise),
+    }
+
+
+def _controls(data: Data) -> pd.Series:
+    return data.episodes[data.episodes.kind == "control"].groupby("method").success.mean()
+
+
+def _printed() -> pd.DataFrame:
+    """The paper's values from images, at their own budget."""
+    return paper.published("table2_main", task="pick-place").assign(timesteps=20_000)
+
+
+def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:
+    """Success against the budget, between floor and ceiling; the paper's values from images beside it."""
+    rates, controls, printed = tables[""], _controls(data), _printed()
+    figure, ax = plt.subplots(figsize=(COLUMN_WIDTH, 2.7))
+    plots.curve(rates, "timesteps", "timesteps of demonstrations", ax, log=True)
+    plots.printed_points(printed, ax)
+    plots.log_ticks({*rates.timesteps, *printed.timesteps}, ax)
+    for name in ("expert", "goal-blind"):
+        if name in controls:
+            plots.level(controls[name], NAMES[name], ax)
+    ax.set_ylim(-0.03, 1.12)
+    titles([ax], ["Pick-Place, from keypoints"])
+    figure.legend(handles=plots.entries(list(rates.method.unique()), "paper, from images"), ncol=4,
+                  loc="outside upper center", columnspacing=0.8, handletextpad=0.4)
+    return figure
+
+
+def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
+    """The paper's rates from images, where MOVE is above the others here, and who learnt nothing."""
+    theirs = ", ".join(f"{NAMES[row.method]} {row.value:.1%}" for row in _printed().itertuples())
+    floor = ", ".join(f"{NAMES[name]} {rate:.0%}" for name, rate in _controls(data).items())
+    return (
+        f"**The paper** has no results from keypoints; from images, at 20,000 timesteps: {theirs}. **Here, from "
+        f"keypoints:** {spoken_differences(tables['differences'], tables['differences_mean'])} Who learnt nothing: "
+        f"{floor or 'not computed yet'}. **How sure:** {data.behind}")
+
+
+WORDS = Words(
+    title="The keypoint control: what is left when perception is given",
+    shown=(
+        f"Success on Pick-Place from keypoints against the timesteps of demonstrations. {INTERVALS} Diamonds are the "
+        f"paper's values, from images, at its own budget: a reference, not a comparison. Dashed lines: the expert, and "
+        f"an expert that is told a wrong goal."),
+    alt="Three curves over the budget between a floor and a ceiling.",
+    tables={
+        "": f"From keypoints: Pick-Place, perception given. {RATES}",
+        "differences": f"From keypoints: Pick-Place, perception given. {DIFFERENCES}",
+        "differences_mean": f"From keypoints: Pick-Place, mean of the budgets. {DIFFERENCES}",
+    },
+)

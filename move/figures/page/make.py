@@ -1,0 +1,132 @@
+"""A figure from its file: load or compute its runs, make tables, picture and answer, write them, show them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, TypeVar
+
+import matplotlib.pyplot as plt
+import pandas as pd
+from IPython.display import Image, Markdown
+from matplotlib.figure import Figure
+from pandas.io.formats.style import Styler
+
+from move import paths
+from move.figures import load
+from move.figures.page import captions, changes, printed
+from move.figures.page.data import Data, load_or_run
+from move.figures.page.parameters import call, parameters, parts
+from move.figures.page.parameters import runs as runs_of
+from move.figures.plots import style
+from move.study.execute import progress_bars
+from move.study.profiles import load_profile
+
+Item = TypeVar("Item")
+WIDEST = 900  # pixels of a picture in a notebook
+
+
+@dataclass(frozen=True)
+class Made:
+    """A figure as it was made and written: what a notebook shows of it."""
+
+    name: str
+    data: Data
+    tables: dict[str, pd.DataFrame]
+    layouts: dict[str, pd.DataFrame]
+    figures: dict[str, Figure]
+    answers: dict[str, str]
+    change: changes.Change
+
+    @property
+    def answer(self) -> Markdown:
+        """What came out, and where the files are if they are not the shipped ones."""
+        said = self.answers[self.name]
+        if self.change or not changes.by_command():
+            remark = f"{printed.as_markdown(str(self.change))}. " if self.change else ""
+            said += (f"\n\n{remark}Written to `{self.data.folder.relative_to(paths.ROOT)}/`; what is shipped stays as "
+                     "it is.")
+        return Markdown(said)
+
+    def picture(self, name: str = "") -> Image:
+        """A picture as it was written.
+
+        Args:
+            name: of one that is not called as the figure is.
+        """
+        figure = self.figures[name or self.name]
+        wide = min(WIDEST, round(100 * figure.get_figwidth() * 1.3))
+        return Image(filename=str(self.data.folder / f"{name or self.name}.png"), width=wide)
+
+    def table(self, suffix: str = "") -> Styler | pd.DataFrame:
+        """A table as people read it.
+
+        Args:
+            suffix: of the file's name, "" for the table that is called as the figure is.
+        """
+        return self.layouts[suffix] if suffix in self.layouts else printed.shown(self.tables[suffix])
+
+
+def make(name: str, profile: str, **given: Any) -> Made:
+    """Make figure `name`: run what is missing and reuse what is stored, then write its picture and tables.
+
+    Args:
+        profile: name of a file under profiles/.
+        given: the figure's parameters; those left out are the profile's.
+
+    Raises:
+        BadInput: an unknown parameter, a value that is not allowed, or nothing to draw.
+    """
+    settings = load_profile(profile)
+    change = changes.change(name, settings, given)
+    chosen, functions = parameters(name, settings, given), parts(name)
+    style.use_style()
+    data = (load_or_run(runs_of(name, settings, given), settings, change.folder) if "runs" in functions
+            else Data(settings, change.folder))
+    if "seen" in functions:
+        data = replace(data, seen=call(name, "seen", chosen, data))
+    tables = call(name, "tables", chosen, data)
+    both = (tables, data)
+    drawn = call(name, "draw", chosen, *both) if "draw" in functions else {}
+    figures = drawn if isinstance(drawn, dict) else {name: drawn}
+    answers = _by_name(call(name, "answer", chosen, *both), [name, *figures])
+    sources = (_by_name(call(name, "source", chosen, data), [name, *figures, *tables]) if "source" in functions
+               else {})
+    layouts = call(name, "printed", chosen, *both) if "printed" in functions else {}
+    made = Made(name, data, tables, layouts, figures, answers, change)
+    _write(made, sources)
+    return made
+
+
+def _by_name(found: str | Mapping[str, str], names: Iterable[str]) -> dict[str, str]:
+    return dict(found) if isinstance(found, Mapping) else dict.fromkeys(names, found)
+
+
+def _write(made: Made, sources: Mapping[str, str]) -> None:
+    """Write the pictures (PDF, PNG, caption) and the tables (CSV, LaTeX) of a figure."""
+    words, folder, profile = load(made.name).WORDS, made.data.folder, made.data.profile
+    for name, figure in made.figures.items():
+        if made.data.remark:
+            style.remark(figure, made.data.remark)
+        if made.change:
+            style.changed(figure, str(made.change))
+        if profile.stamp:
+            style.stamp(figure, profile.stamp, "red", 80)
+        of = words if name == made.name else words.others[name]
+        caption = captions.caption(of, sources.get(name, made.data.source), made.answers[name])
+        style.save(figure, name, folder, caption)
+        plt.close(figure)
+    for suffix, content in made.tables.items():
+        name = f"{made.name}_{suffix}" if suffix else made.name
+        source = sources.get(suffix or made.name, made.data.source)
+        printed.save(content, name, folder, captions.table_caption(words, suffix, source), made.layouts.get(suffix))
+
+
+def steps(items: Iterable[Item], what: str) -> Iterator[Item]:
+    """Go through `items` with a bar that a reader in the browser sees; it ends at 100 %."""
+    listed = list(items)
+    with progress_bars(quiet=changes.by_command()) as bars:
+        bar = bars.add_task(what, total=len(listed))
+        for item in listed:
+            yield item
+            bars.update(bar, advance=1, refresh=True)

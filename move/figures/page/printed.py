@@ -1,0 +1,241 @@
+"""Tables as people read them: human names, per cent and points, no NaN, no lists; in a notebook and in LaTeX.
+
+readable    a tidy table as text: rates in per cent, differences in points, one decimal, intervals beside their values
+shown       the same for a notebook
+save        the tidy table as CSV, the readable one as LaTeX with caption and label
+"""
+
+from __future__ import annotations
+
+import html
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from pandas.io.formats.style import Styler
+
+from move.figures.plots.style import NAMES
+from move.files import written_aside
+from move.sim.tasks import TASKS
+
+ABSENT, MINUS = "\N{EM DASH}", "\N{MINUS SIGN}"
+LONG_ROWS, LONG_TEXT, WIDE = 45, 44, 62  # rows on a page; letters of a cell that breaks lines; letters in one column
+
+Cell = Callable[[Any], str]
+
+
+def _number(value: Any, digits: int = 1, sign: str = "") -> str:
+    return f"{round(value, digits) + 0.0:{sign}.{digits}f}".replace("-", MINUS)  # never "-0.0"
+
+
+def _percent(value: Any) -> str:
+    return _number(100 * value)
+
+
+def _points(value: Any) -> str:
+    return _number(100 * value, sign="+")
+
+
+def _width(value: Any) -> str:
+    return _number(100 * value)
+
+
+def _probability(value: Any) -> str:
+    return _number(value, 3) if value >= 0.001 else "<0.001"
+
+
+def _count(value: Any) -> str:
+    return f"{value:,.0f}"
+
+
+def _factor(value: Any) -> str:
+    return f"{value:.2g}" if np.isfinite(value) else "more"
+
+
+def _plain(value: Any) -> str:
+    return f"{value:.3g}".replace("-", MINUS) if isinstance(value, float) else str(value)
+
+
+def _task(value: Any) -> str:
+    return TASKS[value].title if value in TASKS else str(value)
+
+
+def _method(value: Any) -> str:
+    return NAMES.get(value, _plain(value))
+
+
+def _seeds(values: Any) -> str:
+    return ", ".join(_percent(value) for value in values)
+
+
+def _moves(value: Any) -> str:
+    """What moves, as a list: short enough for two of them in a row."""
+    return str(value).replace(" + ", ", ")
+
+
+def _named(**names: str) -> Cell:
+    return lambda value: names.get(str(value), str(value))
+
+
+COLUMNS: dict[str, tuple[str, Cell]] = {
+    "task": ("Task", _task), "method": ("Method", _method), "baseline": ("Against", _method),
+    "timesteps": ("Timesteps", _count), "move_timesteps": ("Timesteps, MOVE", _count),
+    "static_timesteps": ("Timesteps, static", _count), "value": ("Success (%)", _percent),
+    "level": ("From goal-blind to expert (%)", _percent), "seeds": ("Each seed (%)", _seeds),
+    "episodes": ("Episodes", _count), "trainings": ("Training noise", str),
+    "difference": ("Difference (points)", _points), "p": ("p", _probability), "holm": ("p, Holm", _probability),
+    "items": ("Items", _count), "tasks": ("Tasks", _count), "where": ("Where", str),
+    "factors": ("Random", _named(all="object, target, hand, camera", **{"object+target": "object, target, hand"})),
+    "moves": ("What moves", _moves), "part": ("Whose speed", _named(nothing="static")), "speed": ("Speed", _plain),
+    "share": ("MOVE's share (%)", _percent), "length": ("Gradient steps / the recipe's", _plain),
+    "equal": ("Equal", str), "demonstrations": ("Demonstrations", _count),
+    "observation": ("From", _named(rgb="pixels")), "jumping": ("Reading of ADC", str),
+    "group": ("Tried", _named(random="elsewhere", grasp="at its own grasps", moving="elsewhere, in motion")),
+    "own": ("At its own grasps (%)", _percent), "elsewhere": ("Elsewhere (%)", _percent),
+    "lost": ("Lost elsewhere (points)", _points), "in_motion": ("Elsewhere, in motion (%)", _percent),
+    "object": ("Object (%)", _percent), "target": ("Target (%)", _percent), "camera": ("Camera (%)", _percent),
+    "change": ("Change", str), "train_minutes": ("Minutes", _number), "loss": ("Loss", lambda value: f"{value:.4f}"),
+    "gain": ("Gain (points)", _points), "collect": ("Collect", _number), "train": ("Train", _number),
+    "evaluate": ("Evaluate", _number), "whole": ("Whole", _number), "runs": ("Runs", _count),
+    "all_runs": ("All runs", _count), "expert": ("Expert", _named(phase="ours", metaworld="Meta-World's")),
+    "attempts": ("Attempts", _count), "generation_rate": ("Generation rate (%)", _percent),
+    "mean_steps": ("Timesteps", _number), "jumps": ("Jumps", _number),
+    "paper_mean_steps": ("Timesteps, paper", _number), "acceptance_rate": ("Kept (%)", _percent),
+    "paper_generation_rate": ("Generation rate, paper (%)", _percent), "mean": ("Mean success (%)", _percent),
+    "count": ("Tasks", _count), "covered": ("Hold the truth (%)", _percent), "interval": ("Interval", str),
+    "half_width": ("Half width (points)", _width), "deviation": ("Trainings differ by (points)", _width),
+    "ratio": ("Factor", _factor), "least": ("Least", _factor), "most": ("Most", _factor),
+    "mean_difference": ("Mean (points)", _points), "iqm_first": ("IQM, MOVE (%)", _percent),
+    "iqm_second": ("IQM, other (%)", _percent), "iqm_difference": ("IQM (points)", _points),
+    "improvement": ("MOVE better (%)", _percent), "p_value": ("p", _probability), "rate": ("Success (%)", _percent),
+    "case": ("Case", _task), "setting": ("Setting", str), "step": ("Step", str), "start": ("From (%)", _percent),
+    "effect": ("Switched alone (points)", _points), "hand": ("Hand's start", str),
+    "number": ("No.", str), "claim": ("Claim", str),
+    "first": ("First", str), "second": ("Second", str), "fisher": ("p, Fisher", _probability),
+    "barnard": ("p, Barnard", _probability), "base": ("Base (%)", _percent), "trials": ("Trials", _count),
+    "detectable_rise": ("Found rise (points)", _points), "rate_needed": ("Rate needed (%)", _percent),
+}
+"""A column's heading and how its cells are written; another column is shown as it is."""
+
+INTERVALS = {"value": ("low", "high"), "difference": ("low", "high"), "ratio": ("low", "high"), "rate": ("low", "high"),
+             "generation_rate": ("low", "high"), "mean_difference": ("low", "high"),
+             "gain": ("gain_low", "gain_high"), "effect": ("effect_low", "effect_high"),
+             "improvement": ("improvement_low", "improvement_high"),
+             "iqm_difference": ("iqm_low", "iqm_high")}
+"""Whose interval stands in which columns."""
+
+
+def readable(table: pd.DataFrame) -> pd.DataFrame:
+    """A tidy table as text for people: headings, per cent and points with one decimal, a dash for what is not there.
+
+    The paper's column is in points beside a difference, in per cent beside a success, else a number of timesteps.
+    """
+    table = table.reset_index() if table.index.name else table
+    if {"iqm_first", "iqm_second"} <= set(table):
+        table = table.assign(iqm_difference=table.iqm_first - table.iqm_second)
+    if table.empty:
+        return pd.DataFrame({"": ["not computed yet"]})
+    known, content, bounds = {**COLUMNS, **_by_company(table)}, {}, set()
+    for name in table:
+        ends = [end for end in INTERVALS.get(name, ()) if end in table]
+        heading, cell = known.get(name, (str(name)[:1].upper() + str(name)[1:].replace("_", " "), _plain))
+        content[name] = (heading, [_cell(cell, *values) for values in zip(*(table[one] for one in (name, *ends)),
+                                                                         strict=True)])
+        bounds.update(ends)
+    return pd.DataFrame(dict(column for name, column in content.items() if name not in bounds))
+
+
+def _by_company(table: pd.DataFrame) -> dict[str, tuple[str, Cell]]:
+    """The columns whose meaning hangs on what stands beside them."""
+    paper: tuple[str, Cell] = ("Paper (points)", _points) if "difference" in table else (
+        ("Paper (%)", _percent) if "value" in table else ("Paper, timesteps", _count))
+    than = {"baseline": ("Against (%)", _percent)} if "share" in table else (
+        {"baseline": ("Against", _moves)} if "moves" in table else {})
+    if "paper" in table and not pd.api.types.is_numeric_dtype(table["paper"]):
+        paper = ("Paper", str)  # a profile's name is "paper", too
+    seeds = {"seeds": ("Seeds", _count)} if "seeds" in table and table.seeds.map(type).ne(list).all() else {}
+    return {"paper": paper, **than, **seeds}
+
+
+def _cell(cell: Cell, value: Any, low: Any = None, high: Any = None) -> str:
+    """One value as text, with its interval where it has one."""
+    if not isinstance(value, list) and pd.isna(value):
+        return ABSENT
+    return cell(value) if low is None else f"{cell(value)} [{cell(low)}, {cell(high)}]"
+
+
+def shown(table: pd.DataFrame) -> Styler:
+    """A tidy table as a notebook shows it: readable, without row numbers; no text in it is markup."""
+    styled = readable(table).style.hide(axis="index").format(escape="html").format_index(escape="html", axis="columns")
+    return styled.set_properties(**{"text-align": "left"})
+
+
+def as_markdown(text: str) -> str:
+    r"""Text of a file or a reader for Markdown: shown as it is, and neither markup nor HTML.
+
+    >>> as_markdown("a_b <img src=x> [c](d)")
+    'a\\_b &lt;img src=x&gt; \\[c\\](d)'
+    """
+    return re.sub(r"([\\`*_\[\]|~$#!])", r"\\\1", html.escape(text, quote=False))
+
+
+def save(
+    table: pd.DataFrame, name: str, folder: Path, caption: str, printed: pd.DataFrame | None = None
+) -> None:
+    """Write `name`.csv, tidy, and `name`.tex, readable, into `folder`.
+
+    Args:
+        printed: what the LaTeX table holds in place of the readable `table`.
+
+    Raises:
+        BadInput: one of them cannot be written, as on a full disk; what was there stays.
+    """
+    joined = table.assign(**{column: [" ".join(map(str, values)) for values in table[column]]
+                             for column in ("seeds",) if column in table and table[column].map(type).eq(list).any()})
+    text = latex(readable(table) if printed is None else printed, name, caption)
+    with written_aside(folder / f"{name}.csv") as beside:
+        joined.to_csv(beside, float_format="%.4f", index=table.index.name is not None)
+    with written_aside(folder / f"{name}.tex") as beside:
+        beside.write_text(text, encoding="utf-8")
+
+
+def latex(printed: pd.DataFrame, name: str, caption: str) -> str:
+    """A readable table as a LaTeX float with caption and label; a long one breaks over pages.
+
+    It needs the packages booktabs and longtable.
+    """
+    printed = printed.map(str)
+    escaped = printed.map(_escaped)
+    escaped.columns = (pd.MultiIndex.from_tuples([tuple(map(_escaped, column)) for column in printed])
+                       if printed.columns.nlevels > 1 else [_escaped(str(column)) for column in printed])
+    width = [max(printed.iloc[:, place].str.len().max(), 0 if printed.columns.nlevels > 1 else len(str(column)))
+             for place, column in enumerate(printed)]
+    long = sum(letters > LONG_TEXT for letters in width)
+    left = 6.4 - 0.06 * sum(letters for letters in width if letters <= LONG_TEXT) - 0.17 * len(width)
+    room = f"{max(0.8, left / max(long, 1)):.1f}in"
+    shape = "".join(f"p{{{room}}}" if letters > LONG_TEXT else "r" if _is_numbers(printed.iloc[:, place]) else "l"
+                    for place, letters in enumerate(width))
+    lines = len(printed) * (2 if long else 1)
+    kind = "longtable" if lines > LONG_ROWS else "table*" if sum(width) > WIDE else "table"
+    text = escaped.style.hide(axis="index").to_latex(
+        hrules=True, column_format=shape, caption=_escaped(caption), label=f"tab:{name}",
+        environment=kind, multicol_align="c", **({} if kind == "longtable" else {"position": "tbp"}))
+    size = "\\footnotesize\n"
+    return f"{{{size}{text}}}\n" if kind == "longtable" else text.replace(
+        "\\begin{tabular}", f"\\centering\n{size}\\begin{{tabular}}", 1)
+
+
+def _is_numbers(cells: pd.Series) -> bool:
+    return cells.str.match(rf"^[+{MINUS}<{ABSENT}\d]").all()
+
+
+_ESCAPES = str.maketrans({"&": r"\&", "%": r"\%", "$": r"\$", "#": r"\#", "_": r"\_", "{": r"\{", "}": r"\}",
+                          "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "\\": r"\textbackslash{}",
+                          "<": "$<$", ">": "$>$", MINUS: "$-$", ABSENT: "---"})
+
+
+def _escaped(text: str) -> str:
+    return text.translate(_ESCAPES)

@@ -1,0 +1,112 @@
+"""Maps of places, and frames in a row: data and an Axes in, marks on the Axes out; nothing is read from disk.
+
+heatmap, seeds_bar   success over the object's place, and the colour bar of it
+grasps, circle       what lies over such a map
+coverage             where object or target were
+strip                frames in a row
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import matplotlib as mpl
+import matplotlib.pyplot as plt
+import numpy as np
+import pandas as pd
+from matplotlib import patheffects
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.collections import QuadMesh
+from matplotlib.colors import Normalize
+from matplotlib.patches import Circle, Rectangle
+
+from move.figures.plots.style import COLOURS, LEAST_POINTS
+from move.sim.configuration import Disc
+
+AROUND = [patheffects.withStroke(linewidth=2.2, foreground="white")]  # keeps black visible on dark and on light
+
+
+def heatmap(episodes: pd.DataFrame, ax: Axes) -> QuadMesh:
+    """Success over the object's place: one cell a grid configuration, one colour a number of seeds that succeed.
+
+    Args:
+        episodes: rows with object_x, object_y (metres), seed, success and group; group "point" marks grasp points.
+    """
+    cells = episodes[episodes.group == "grid"].pivot_table("success", "object_y", "object_x", aggfunc="mean")
+    colours = _colours(episodes.seed.nunique())
+    edges = [_edges(axis.to_numpy() * 100) for axis in (cells.columns, cells.index)]
+    mesh = ax.pcolormesh(*edges, cells.to_numpy(dtype=float), **colours, edgecolor="white", linewidth=0.2)
+    points = episodes[episodes.group == "point"].groupby(["object_x", "object_y"], as_index=False).success.mean()
+    places = points.object_x * 100, points.object_y * 100
+    ax.scatter(*places, s=38, color="white", zorder=3, clip_on=False)
+    ax.scatter(*places, c=points.success, **colours, s=22, edgecolor="black", linewidth=0.9, zorder=4, clip_on=False)
+    ax.set(xlabel="object x (cm)", ylabel="object y (cm)", aspect="equal")
+    return mesh
+
+
+def seeds_bar(mesh: QuadMesh, axes: Sequence[Axes], seeds: int) -> None:
+    """The colour bar of maps of `seeds` seeds: one colour a number of seeds that succeed."""
+    bar = plt.colorbar(ScalarMappable(mesh.norm, mesh.cmap), ax=list(axes), fraction=0.04,
+                       label=f"seeds that succeed, of {seeds}", ticks=np.arange(seeds + 1) / seeds)
+    bar.ax.set_yticklabels([str(count) for count in range(seeds + 1)])
+    bar.ax.minorticks_off()
+    bar.outline.set_linewidth(0.6)
+
+
+def _colours(seeds: int) -> dict:
+    """One colour for each of 0 to `seeds` successes, for rates that are multiples of 1 / seeds."""
+    half = 0.5 / seeds
+    return {"cmap": mpl.colormaps["cividis"].resampled(seeds + 1), "norm": Normalize(-half, 1 + half)}
+
+
+def _edges(centres: np.ndarray) -> np.ndarray:
+    half = (centres[1] - centres[0]) / 2 if len(centres) > 1 else 1.0
+    return np.append(centres - half, centres[-1] + half)
+
+
+def grasps(points: pd.DataFrame, ax: Axes) -> None:
+    """Where the demonstrations grasped, as small dots.
+
+    Args:
+        points: object_x, object_y (metres).
+    """
+    ax.scatter(points.object_x * 100, points.object_y * 100, s=3.5, color="white", edgecolor="black", lw=0.4, zorder=3,
+               clip_on=False)
+
+
+def circle(disc: Disc, ax: Axes) -> None:
+    """The outline of a disc given in metres, on axes in centimetres."""
+    outline = Circle((disc.centre[0] * 100, disc.centre[1] * 100), disc.radius * 100, fill=False, color="black",
+                     ls="--", lw=0.8, clip_on=False)
+    outline.set_path_effects([patheffects.withStroke(linewidth=2.0, foreground="white"), patheffects.Normal()])
+    ax.add_patch(outline)
+
+
+def coverage(seen: pd.DataFrame, part: str, low: tuple, high: tuple, ax: Axes) -> None:
+    """Every place in the plane that `part` ("object" or "target") had at some timestep, inside its range (metres)."""
+    method = seen.method.iloc[0]
+    ax.plot(seen[f"{part}_x"] * 100, seen[f"{part}_y"] * 100, "o", color=COLOURS[method], ms=2, alpha=0.5, mew=0,
+            clip_on=False)
+    ax.add_patch(Rectangle((low[0] * 100, low[1] * 100), (high[0] - low[0]) * 100, (high[1] - low[1]) * 100,
+                           fill=False, color="#888888", lw=0.8))
+    ax.set(aspect="equal", xlabel=f"{part} x (cm)", ylabel=f"{part} y (cm)")
+
+
+def strip(frames: np.ndarray, labels: Sequence[str], ax: Axes) -> None:
+    """Frames in a row with a gap between them, each with a label in its upper left corner.
+
+    Args:
+        frames: (count, height, width, 3) uint8.
+        labels: one a frame, such as its timestep.
+    """
+    count, height, width, _ = frames.shape
+    gap = max(2, width // 30)
+    row = np.full((height, count * (width + gap) - gap, 3), 255, np.uint8)
+    for number, frame in enumerate(frames):
+        row[:, number * (width + gap):number * (width + gap) + width] = frame
+    ax.imshow(row, interpolation="auto")
+    for number, label in enumerate(labels):
+        ax.annotate(label, (number * (width + gap), 0), xytext=(2.5, -2.5), textcoords="offset points", ha="left",
+                    va="top", fontsize=LEAST_POINTS, color="black", path_effects=AROUND)
+    ax.set_axis_off()

@@ -1,0 +1,111 @@
+"""Whole figures of the real-robot data, laid out from the pieces of `real_plots`; simulated data are stamped as such.
+
+cells_figure    success and score of the four cells
+setup_figure    coverage, trajectories and frames of each method: figure 8
+object_figure   where the object was seen, and how fast it moved
+"""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Mapping, Sequence
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from move.figures.plots import maps, style
+from move.figures.plots import real as real_plots
+from move.figures.plots.style import COLOURS, NAMES, PAGE_WIDTH
+
+SIMULATED_TEXT = "simulated data in the real layout"
+
+
+def cells_figure(table: pd.DataFrame) -> Figure:
+    """Lay out success and score of the four cells beside each other.
+
+    Args:
+        table: `trials.real_table`.
+
+    Returns:
+        A figure of two-column width.
+    """
+    figure, axes = plt.subplots(1, 2, figsize=(PAGE_WIDTH, 2.7))
+    real_plots.success_cells(table, axes[0])
+    real_plots.score_cells(table, axes[1])
+    style.titles(axes, ["success, successes of trials", "score"])
+    return figure
+
+
+def object_figure(places: pd.DataFrame, speeds: pd.DataFrame, *, simulated: bool) -> Figure:
+    """Lay out where the object was seen by each method's camera, and how fast it moved.
+
+    Args:
+        places: `tracking.object_places`.
+        speeds: `tracking.object_speeds`.
+
+    Returns:
+        A figure of two-column width.
+    """
+    methods = [method for method in COLOURS if method in set(places["method"])]
+    figure, axes = plt.subplots(1, len(methods) + 1, figsize=(PAGE_WIDTH, 2.0), squeeze=False,
+                                width_ratios=[1.5] * len(methods) + [1])
+    for method, ax in zip(methods, axes[0], strict=False):
+        real_plots.object_map(places[places["method"] == method], ax, colour=COLOURS[method])
+    real_plots.speed_dots(speeds, axes[0, -1])
+    counts = [len(places[places["method"] == method].groupby(["part", "index"])) for method in methods]
+    style.titles(list(axes[0]), [*(f"{NAMES[method]}: the orange (n = {count})"
+                                   for method, count in zip(methods, counts, strict=True)), "its speed"])
+    if simulated:
+        style.stamp(figure, SIMULATED_TEXT)
+    return figure
+
+
+def setup_figure(cells: pd.DataFrame, steps: pd.DataFrame, strips: Mapping[str, tuple[np.ndarray, Sequence[str]]], *,
+                 simulated: bool, lacking: str = "", cell_m: float = 0.05) -> Figure:
+    """Lay out Figure 8: for each method its trajectories, the cells visited, and below all of them frames.
+
+    Args:
+        cells: `workspace.coverage_by_method`.
+        steps: `workspace.path_table`.
+        strips: method -> frames (k, height, width, 3) and their titles; may be empty.
+        simulated: whether to say so on the figure.
+        lacking: why some episodes have no trajectory (`workspace.why_no_positions`), said in a panel of its own.
+
+    Returns:
+        A figure of two-column width.
+    """
+    methods = [method for method in COLOURS if method in set(cells["method"])]
+    shown = [method for method in COLOURS if method in strips]
+    shapes = [strips[method][0].shape for method in shown]
+    heights = [0.95 * PAGE_WIDTH * h / (k * w) + 0.28 for k, h, w, _ in shapes]
+    if not shown:
+        lacking = "; ".join(filter(None, (lacking, "no camera whose frames can be read")))
+    heights = [0.5 * PAGE_WIDTH * 0.5 + 0.35] * len(methods) + heights + [0.5] * bool(lacking)
+    figure = plt.figure(figsize=(PAGE_WIDTH, sum(heights)))
+    grid = figure.add_gridspec(len(heights), 2, height_ratios=heights)
+    axes, texts = [], []
+    for row, method in enumerate(methods):
+        mine, way = cells[cells["method"] == method], steps[steps["method"] == method]
+        left, right = figure.add_subplot(grid[row, 0]), figure.add_subplot(grid[row, 1])
+        real_plots.paths(way, left, colour=COLOURS[method])
+        shades = real_plots.coverage_map(mine, right, cell_m=cell_m, colour=COLOURS[method])
+        figure.colorbar(shades, ax=right, fraction=0.03, label="timesteps in a cell")
+        grasped = way.groupby(["part", "index"])["grasped"].any()
+        axes += [left, right]
+        texts += [f"{NAMES[method]}: {len(grasped)} demonstrations, {grasped.sum()} grasps",
+                  f"{NAMES[method]}: {100 * (mine['visits'] > 0).mean():.0f} % of cells visited by the hand"]
+    for number, method in enumerate(shown):
+        axes.append(figure.add_subplot(grid[len(methods) + number, :]))
+        frames, times = strips[method]
+        maps.strip(frames, times, axes[-1])
+        texts.append(f"{NAMES[method]}: frames of one demonstration")
+    style.titles(axes, texts)
+    if lacking:
+        panel = figure.add_subplot(grid[-1, :])
+        panel.set_axis_off()
+        panel.text(0.5, 0.5, textwrap.fill(lacking, 110), ha="center", va="center", parse_math=False)
+    if simulated:
+        style.stamp(figure, SIMULATED_TEXT)
+    return figure

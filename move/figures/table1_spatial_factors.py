@@ -1,0 +1,116 @@
+"""Table 1: Pick-Place as its object, then its target, then camera and hand become random; static and MOVE."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import matplotlib.pyplot as plt
+import pandas as pd
+from matplotlib.figure import Figure
+
+from move import paper
+from move.figures import plots
+from move.figures.page.captions import COSTS, DIFFERENCES, INTERVALS, RATES, Words
+from move.figures.page.data import Data
+from move.figures.page.parameters import Count, Observation, Repeats
+from move.figures.plots.panels import seed_dot
+from move.figures.plots.style import PAGE_WIDTH, titles
+from move.figures.tables import (
+    VARIANTS,
+    as_columns,
+    difference_table,
+    rate_table,
+    run_costs,
+    spoken_difference,
+    with_holm,
+    with_paper,
+)
+from move.statistics.cells import successes, training_noise
+from move.statistics.estimates import UNKNOWN, TrainingNoise, unpaired_difference
+from move.study.kinds import policy_run
+from move.study.labels import LabelledRun, grid
+from move.study.profiles import Profile
+
+REPEATED = True
+NAMES = {"object": "object", "object+target": "+ target", "all": "+ camera"}  # what is random
+
+
+def runs(
+    profile: Profile, observation: Observation = "rgb", timesteps: Count = 20_000, seeds: Repeats = 3,
+    episodes: Count = 100,
+) -> list[LabelledRun]:
+    """Both methods with each set of random factors; the label `factors`."""
+    base = partial(policy_run, profile, task="pick-place", observation=observation, timesteps=timesteps,
+                   episodes=episodes)
+    return grid(base, seed=range(seeds), factors=list(NAMES), method=("static", "move"))
+
+
+def tables(data: Data, *, observation: str) -> dict[str, pd.DataFrame]:
+    """Rates, MOVE minus static, what static loses by each factor, and costs."""
+    noise = data.noise(observation)
+    rates = rate_table(data.episodes, ["factors", "method"], noise)
+    return {
+        "": with_paper(rates, "table1_spatial_factors", on=["factors", "method"]),
+        "differences": difference_table(data.episodes, "factors", others=("static",), known=noise),
+        "lost": factor_table(data.episodes, noise),
+        "costs": run_costs(data.results),
+    }
+
+
+def factor_table(episodes: pd.DataFrame, known: TrainingNoise = UNKNOWN) -> pd.DataFrame:
+    """Static with more random against static with the object alone; other factors, so other configurations."""
+    cells = {factors: successes(rows) for factors, rows in
+             episodes[episodes.method == "static"].groupby("factors", sort=False)}
+    noise = training_noise(episodes, ["factors", "method"], known)
+    rows = [{"method": "static", "factors": more, "baseline": "object",
+             **as_columns(unpaired_difference(cells[more], cells["object"], noise))}
+            for more in cells if "object" in cells and more != "object"]
+    return pd.DataFrame(with_holm(rows), columns=["method", "factors", *VARIANTS])
+
+
+def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:
+    """Static beside MOVE as more is random, and their difference."""
+    rates, differences = tables[""], tables["differences"]
+    figure, axes = plt.subplots(1, 2, figsize=(PAGE_WIDTH, 2.4), width_ratios=[1.2, 1])
+    plots.grouped_rates(rates, "factors", [NAMES[name] for name in rates.factors.unique()], axes[0])
+    axes[0].set_xlabel("what is random")
+    handles, _ = axes[0].get_legend_handles_labels()
+    figure.legend(handles=[*handles, seed_dot()], ncol=4, loc="outside upper center")
+    plots.differences(differences, "factors", [NAMES[name] for name in differences.factors.unique()], axes[1])
+    titles(axes, ["success", "MOVE minus static"])
+    return figure
+
+
+def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
+    """How static falls as more is random, in the paper and here, and MOVE minus static."""
+    rates = tables[""]
+    fall = ", ".join(f"{NAMES[row.factors]} {row.value:.1%} (the paper {row.paper:.1%})"
+                     for row in rates[rates.method == "static"].itertuples())
+    losses, leads = ("; ".join(f"{NAMES[row['factors']]}{colon} {spoken_difference(row)}"
+                               for _, row in tables[suffix].iterrows())
+                     for suffix, colon in (("lost", ""), ("differences", ":")))
+    printed = paper.published("table1_spatial_factors").set_index("condition").value
+    return (
+        f"**The paper:** static falls from {printed['object']:.1%} to {printed['all']:.1%} as more is random. "
+        f"**Here:** static, factor by factor: {fall or 'nothing is computed yet'}; against the object alone: "
+        f"{losses or 'nothing to compare yet'}. MOVE minus static, which the paper does not give: "
+        f"{leads or 'nothing to compare yet'}. **How sure:** the words hold after Holm's adjustment for the rows of "
+        f"one comparison. {data.behind}")
+
+
+WORDS = Words(
+    title="Table 1. How much harder does every random factor make it?",
+    shown=(
+        f"(a) Success on Pick-Place as more is random: the object, then the target and the hand too, then the camera "
+        f"too. White dots are single seeds, dotted lines the paper's static values. (b) MOVE minus static, paired by "
+        f"configuration. {INTERVALS}"),
+    alt="A bar chart of static beside MOVE in three groups, and their differences with intervals.",
+    tables={
+        "": f"Table 1: what is random, Pick-Place. {RATES}",
+        "differences": f"Table 1: what is random. {DIFFERENCES}",
+        "lost": (
+            "Table 1: static with more random against static with the object alone, not "
+            "paired; in points, with 95 % intervals."),
+        "costs": f"Table 1. {COSTS}",
+    },
+)

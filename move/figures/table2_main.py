@@ -1,0 +1,149 @@
+"""Table 2: ten tasks, static, ADC and MOVE from pixels, and the same table with perception given."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import matplotlib.pyplot as plt
+import pandas as pd
+from matplotlib.figure import Figure
+
+from move.figures import plots
+from move.figures.page.captions import COSTS, DIFFERENCES, INTERVALS, RATES, Words
+from move.figures.page.data import Data
+from move.figures.page.parameters import Count, Seeds
+from move.figures.plots.style import NAMES, PAGE_WIDTH, titles
+from move.figures.tables import (
+    beside,
+    controls,
+    difference_means,
+    difference_table,
+    rate_table,
+    run_costs,
+    spoken_differences,
+    spoken_tasks,
+    tasks_table,
+    with_level,
+    with_paper,
+)
+from move.paper import PAPER_METHODS, PAPER_TASKS
+from move.sim.tasks import TASKS
+from move.study.axes import budgets, floors_and_ceilings
+from move.study.kinds import policy_run
+from move.study.labels import LabelledRun, grid
+from move.study.profiles import Profile
+
+REPEATED = True
+
+
+def runs(
+    profile: Profile, seeds: Seeds = 3, control_seeds: Seeds = 3, episodes: Count = 100,
+    most_timesteps: Count = 20_000,
+) -> list[LabelledRun]:
+    """Every task, three methods, at the paper's budget but at `most_timesteps`; its floor and its ceiling.
+
+    `seeds` from pixels and `control_seeds` from keypoints.
+    """
+    base, tasks = partial(policy_run, profile, episodes=episodes), budgets(PAPER_TASKS, most_timesteps)
+    policies = [run for observation, count in (("rgb", seeds), ("keypoints", control_seeds))
+                for run in grid(partial(base, observation=observation), seed=range(count), task=tasks,
+                                method=PAPER_METHODS)]
+    return policies + floors_and_ceilings(PAPER_TASKS, episodes)
+
+
+def tables(data: Data) -> dict[str, pd.DataFrame]:
+    """For each observation rates, differences, their mean, and the tasks as a sample; costs from pixels."""
+    found: dict[str, pd.DataFrame] = {}
+    for observation, ending in (("rgb", ""), ("keypoints", "keypoints")):
+        episodes, noise = data.episodes[data.episodes.observation == observation], data.noise(observation)
+        rates = rate_table(episodes, ["task", "method"], noise)
+        compared = difference_table(episodes, "task", known=noise)
+        means = difference_means(episodes, "task", known=noise)
+        if observation == "rgb":
+            rates = with_paper(rates, "table2_main", on=["task", "method"])
+            compared = with_paper(compared, "table2_main", on=["task", "baseline"], metric="difference")
+            means = means.join(compared.groupby("baseline").paper.mean(), on="baseline")  # the paper's, of these tasks
+        parts = {"": with_level(rates, controls(data.episodes)), "differences": compared, "differences_mean": means,
+                 "over_tasks": tasks_table(episodes)}
+        found |= {_joined(*_where(name, ending)): table for name, table in parts.items()}
+    found["costs"] = run_costs([result for result in data.results if result.spec.observation == "rgb"])
+    return found
+
+
+def _where(part: str, ending: str) -> tuple[str, ...]:
+    """The words of a suffix: "differences_keypoints_mean" has its observation in the middle."""
+    return ("differences", ending, "mean") if part == "differences_mean" else (part, ending)
+
+
+def _joined(*words: str) -> str:
+    return "_".join(filter(None, words))
+
+
+def _means(tables: dict[str, pd.DataFrame]) -> pd.DataFrame:
+    means = tables[""].groupby("method", sort=False, as_index=False).value.mean()
+    return with_paper(means, "table2_main", on=["method"], metric="mean_success")
+
+
+def printed(tables: dict[str, pd.DataFrame], data: Data) -> dict[str, pd.DataFrame]:
+    """One row a task, for each method its rate and the paper's beside it; floor, ceiling, mean."""
+    return {"": beside(tables[""], controls(data.episodes), _means(tables))}
+
+
+def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:
+    """Ten tasks from pixels and from keypoints, and the differences from pixels."""
+    floors, differences = controls(data.episodes), tables["differences"]
+    figure, axes = plt.subplots(3, 1, figsize=(PAGE_WIDTH, 7.2), height_ratios=[1, 0.85, 1.35])
+    plots.task_rates(tables[""], floors, axes[0])
+    plots.task_rates(tables["keypoints"], floors, axes[1])
+    axes[0].tick_params(labelbottom=False)
+    handles, _ = axes[0].get_legend_handles_labels()
+    figure.legend(handles=handles, ncol=6, loc="outside upper center")
+    plots.differences(differences, "task", [TASKS[name].title for name in differences.task.unique()], axes[2],
+                      tables["differences_mean"])
+    handles, _ = axes[2].get_legend_handles_labels()
+    handles = sorted(handles, key=lambda handle: handle.get_label().endswith("paper"))
+    axes[2].legend(handles=handles, ncol=2, loc="lower right", bbox_to_anchor=(1, 1))  # above: bars fill the panel
+    titles(axes, ["from pixels", "from keypoints: perception given", "from pixels: MOVE minus the others"])
+    return figure
+
+
+def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
+    """Means in the paper and here, where MOVE is above the others, the tasks as a sample, and how trainings differ."""
+    means, noise = _means(tables), {seen: data.noise(seen) for seen in ("rgb", "keypoints")}
+    ours, theirs = (", ".join(f"{NAMES[method]} {value:.1%}" for method, value in
+                              zip(means.method, means[column], strict=True)) for column in ("value", "paper"))
+    seen = [f"{spoken_tasks(tables[_joined('over_tasks', ending)])} "
+            + spoken_differences(tables[_joined("differences", ending)], tables[_joined("differences", ending, "mean")])
+            for ending in ("", "keypoints")]
+    return (
+        f"**The paper:** on the mean of ten tasks {theirs}, MOVE ahead on every task. **Here, from pixels:** on the "
+        f"mean of {tables[''].task.nunique()} {ours}. {seen[0]} **From keypoints:** {seen[1]} **How sure:** from "
+        f"training to training a rate varies by {100 * noise['rgb'].deviation:.0f} points (standard deviation, of "
+        f"{noise['rgb'].repeats} repeated trainings) from pixels and {100 * noise['keypoints'].deviation:.0f} from "
+        f"keypoints. {data.behind}")
+
+
+WORDS = Words(
+    title="Table 2. Ten tasks: static, ADC and MOVE",
+    shown=(
+        f"(a) Success from pixels, (b) success from keypoints, where perception is given, each between the expert and "
+        f"an expert that is told a wrong target. (c) MOVE minus the others from pixels, paired by configuration, and "
+        f"the mean of the tasks. {INTERVALS} Diamonds are the paper's values. Box-Close has 20,000 timesteps here and "
+        f"100,000 in the paper."),
+    alt="Two panels of points with intervals for ten tasks and three methods, and a panel of differences.",
+    tables={
+        "": (
+            "Table 2: success in per cent from pixels with 95 % intervals, the paper's beside it, the expert "
+            "(ceiling) and an expert that is told a wrong target (floor)."),
+        "keypoints": f"Table 2 from keypoints, perception given. {RATES}",
+        "differences": f"Table 2 from pixels. {DIFFERENCES}",
+        "differences_mean": f"Table 2 from pixels, mean of the tasks. {DIFFERENCES}",
+        "differences_keypoints": f"Table 2 from keypoints. {DIFFERENCES}",
+        "differences_keypoints_mean": f"Table 2 from keypoints, mean of the tasks. {DIFFERENCES}",
+        "over_tasks": (
+            "Table 2 from pixels with the task as the unit: means and interquartile means in points "
+            "and per cent, and the probability that MOVE is better on a task, in per cent."),
+        "over_tasks_keypoints": "Table 2 from keypoints with the task as the unit, as above.",
+        "costs": f"Table 2 from pixels. {COSTS}",
+    },
+)

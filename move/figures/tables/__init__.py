@@ -1,0 +1,52 @@
+"""Tables that several figures share: from episodes to rates, costs and differences, and differences in words.
+
+rates        success rates with intervals, costs, floors and ceilings; what is missing; layouts for print
+differences  MOVE minus another method, one variant minus another, item by item, on the mean and over tasks
+"""
+
+from move.figures.page.printed import as_markdown, readable, shown
+from move.figures.tables.differences import (
+    COLUMNS,
+    LEVEL,
+    VARIANTS,
+    as_columns,
+    difference_means,
+    difference_table,
+    difference_verdict,
+    differences_at,
+    joined,
+    points,
+    reading_difference,
+    reading_differences,
+    spoken_counts,
+    spoken_difference,
+    spoken_differences,
+    spoken_rates,
+    spoken_tasks,
+    spoken_verdicts,
+    tasks_table,
+    variant_rows,
+    with_holm,
+)
+from move.figures.tables.rates import (
+    beside,
+    collection_costs,
+    controls,
+    demonstrations_made,
+    grasp_points,
+    printed_success,
+    rate_table,
+    run_costs,
+    with_level,
+    with_missing,
+    with_paper,
+)
+
+__all__ = [
+    "COLUMNS", "LEVEL", "VARIANTS", "as_columns", "as_markdown", "beside", "collection_costs", "controls",
+    "demonstrations_made", "difference_means", "difference_table", "difference_verdict", "differences_at",
+    "grasp_points", "joined", "points", "printed_success", "rate_table", "readable", "reading_difference",
+    "reading_differences", "run_costs", "shown", "spoken_counts", "spoken_difference", "spoken_differences",
+    "spoken_rates", "spoken_tasks", "spoken_verdicts", "tasks_table", "variant_rows", "with_holm", "with_level",
+    "with_missing", "with_paper",
+]

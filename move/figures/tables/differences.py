@@ -1,0 +1,237 @@
+"""Differences of methods: MOVE minus another, item by item, on the mean and over tasks, as tables and in words."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+import numpy as np
+import pandas as pd
+
+from move.figures.plots.style import NAMES
+from move.statistics.cells import successes, training_noise
+from move.statistics.estimates import (
+    UNKNOWN,
+    Estimate,
+    TrainingNoise,
+    difference,
+    holm,
+    mean_difference,
+)
+from move.statistics.over_tasks import over_tasks
+from move.statistics.verdicts import Finding, verdict
+
+Pair = tuple[np.ndarray, np.ndarray]
+COLUMNS = ("difference", "low", "high", "p", "holm", "trainings")
+VARIANTS = ("baseline", *COLUMNS)
+LEVEL = 0.05  # of a word such as "above": of all the words of one table together
+
+
+def difference_table(episodes: pd.DataFrame, by: str, others: tuple[str, ...] = ("static", "adc"),
+                     known: TrainingNoise = UNKNOWN) -> pd.DataFrame:
+    """MOVE minus each other method, paired, one row a value of `by` and method: interval, p, and p after Holm.
+
+    Holm's adjustment is over all values of `by`, for each other method apart. The noise of trainings is as in
+    `rate_table`.
+
+    Args:
+        episodes: rows as `move.study.results.table` gives them, with the column `by`, policies only.
+    """
+    noise = training_noise(episodes, [by, "method"], known)
+    rows: list[dict] = []
+    for other in others:
+        rows += with_holm([{by: value, "baseline": other, **as_columns(difference(*pair, noise))}
+                            for value, pair in _pairs(episodes, by, other)])
+    table = pd.DataFrame(rows, columns=[by, "baseline", *COLUMNS])
+    order = {value: place for place, value in enumerate(episodes[by].unique())}
+    return table.sort_values(by, key=lambda values: values.map(order), kind="stable", ignore_index=True)
+
+
+def differences_at(episodes: pd.DataFrame, at: str, by: str, others: tuple[str, ...] = ("static", "adc"),
+                   known: TrainingNoise = UNKNOWN) -> pd.DataFrame:
+    """A `difference_table` for each value of column `at` by itself, one below the other."""
+    return pd.concat([difference_table(rows, by, others, known).assign(**{at: value})
+                      for value, rows in episodes.groupby(at)], ignore_index=True)
+
+
+def joined(tables: Iterable[pd.DataFrame]) -> pd.DataFrame:
+    """Tables of differences, one below the other, with Holm's adjustment over all of their rows."""
+    rows = pd.concat(tables, ignore_index=True)
+    return rows.assign(holm=holm(rows.p)) if len(rows) else rows
+
+
+def difference_means(episodes: pd.DataFrame, by: str, others: tuple[str, ...] = ("static", "adc"),
+                     known: TrainingNoise = UNKNOWN) -> pd.DataFrame:
+    """The mean over the values of `by` of MOVE minus each other method: other trainings and configurations of these.
+
+    A method that meets MOVE on fewer than two items has no row. Arguments as for `difference_table`.
+    """
+    noise = training_noise(episodes, [by, "method"], known)
+    rows: list[dict] = []
+    for other in others:
+        pairs = [pair for _, pair in _pairs(episodes, by, other)]
+        rows += [{"baseline": other, **_mean(pairs, noise)}] if len(pairs) > 1 else []
+    return pd.DataFrame(rows, columns=["baseline", "items", *COLUMNS])
+
+
+def tasks_table(episodes: pd.DataFrame, others: tuple[str, ...] = ("static", "adc")) -> pd.DataFrame:
+    """MOVE against each other method with the task as the unit, one row a method: what other tasks might give.
+
+    Columns baseline, and those of `move.statistics.over_tasks.OverTasks`; a method that meets MOVE on fewer than
+    three tasks has no row.
+    """
+    rows = []
+    for other in others:
+        pairs = [pair for _, pair in _pairs(episodes, "task", other)]
+        rows += [{"baseline": other, **vars(over_tasks(pairs))}] if len(pairs) > 2 else []
+    return pd.DataFrame(rows)
+
+
+def _pairs(episodes: pd.DataFrame, by: str, other: str) -> list[tuple[object, Pair]]:
+    """For each value of `by` that has both: the successes of MOVE and of the other method."""
+    pairs = []
+    for value, group in episodes.groupby(by, sort=False):
+        per_method = {method: successes(part) for method, part in group.groupby("method")}
+        if "move" in per_method and other in per_method:
+            pairs.append((value, (per_method["move"], per_method[other])))
+    return pairs
+
+
+def reading_difference(episodes: pd.DataFrame, column: str, one: str, other: str,
+                       known: TrainingNoise = UNKNOWN) -> pd.Series:
+    """Mean over the tasks that have both of the rate of variant `one` minus that of `other`; empty where none has.
+
+    The variants are named in `column`. Entries items and `COLUMNS`, as in `difference_means`.
+    """
+    noise, pairs = training_noise(episodes, ["task", column], known), []
+    for _, group in episodes.groupby("task", sort=False):
+        cells = {name: successes(part) for name, part in group.groupby(column)}
+        pairs += [(cells[one], cells[other])] if {one, other} <= set(cells) else []
+    return pd.Series(_mean(pairs, noise) if pairs else {}, dtype=object)
+
+
+def reading_differences(episodes: pd.DataFrame, by: str, column: str, other: str, ones: list[str],
+                        known: Mapping[str, TrainingNoise] | None = None) -> pd.DataFrame:
+    """`reading_difference` of each of the variants `ones` against `other`, one row a value of `by` that has both.
+
+    Args:
+        known: value of `by` -> its training noise, where something is known.
+    """
+    rows = [{by: value, column: one, "baseline": other, **found} for value, part in episodes.groupby(by, sort=False)
+            for one in ones
+            if len(found := reading_difference(part, column, one, other, (known or {}).get(str(value), UNKNOWN)))]
+    return pd.DataFrame(rows, columns=[by, column, "baseline", "items", *COLUMNS])
+
+
+def variant_rows(
+    episodes: pd.DataFrame, column: str, pairs: Iterable[tuple], known: TrainingNoise = UNKNOWN,
+    named: Mapping[str, object] | None = None,
+) -> list[dict]:
+    """Variants of one method against each other: a row a pair of values of `column` that are there, with `VARIANTS`.
+
+    Each is the first minus the second, which stands in the column `baseline`; Holm's adjustment is over these rows.
+
+    Args:
+        named: columns that all rows have besides.
+    """
+    cells: dict[object, np.ndarray] = {value: successes(rows) for value, rows in episodes.groupby(column)}
+    noise = training_noise(episodes, [column, "method"], known)
+    there = [pair for pair in pairs if set(pair) <= set(cells)]
+    return with_holm([{**(named or {}), column: one, "baseline": other,
+                       **as_columns(difference(cells[one], cells[other], noise))} for one, other in there])
+
+
+def spoken_difference(row: pd.Series) -> str:
+    """A row of `difference_table` in words: "+12 points [+3, +21], above 0"; the word holds after Holm's adjustment."""
+    clear = row.holm < LEVEL
+    word = "not distinguishable from 0" if not clear else "above 0" if row.difference > 0 else "below 0"
+    return f"{points(row.difference)} points [{points(row.low)}, {points(row.high)}], {word}"
+
+
+def spoken_rates(rates: pd.DataFrame, column: str = "value") -> str:
+    """A table of one rate a method in words: "static 79.2%, MOVE 91.7%"."""
+    return ", ".join(f"{NAMES[method]} {value:.1%}" for method, value in zip(rates.method, rates[column], strict=True)
+                     ) or "nothing is computed yet"
+
+
+def spoken_verdicts(table: pd.DataFrame, rates: pd.DataFrame, by: str = "") -> str:
+    """A `difference_table` with the paper's in column `paper`, in words: each difference and its verdict.
+
+    Args:
+        rates: the rates that are compared, whose baselines leave MOVE so much room: method, value, and the column `by`.
+        by: the column that names a row, where there are several for one other method.
+    """
+    keys = [by, "method"] if by else ["method"]
+    baseline = rates.set_index(keys).value
+    return "; ".join(
+        f"{row[by] + ' ' if by else ''}MOVE minus {NAMES[row.baseline]} {spoken_difference(row)}: "
+        + difference_verdict(row, baseline[(row[by], row.baseline) if by else row.baseline])
+        for _, row in table.iterrows()) or "there is nothing to compare yet"
+
+
+def difference_verdict(row: pd.Series, baseline: float, paper_half_width: float = 0.0) -> str:
+    """The verdict on the paper's difference `row.paper`, by the rule of `move.statistics.verdicts`.
+
+    Args:
+        row: difference, low, high, paper.
+        baseline: the other method's rate.
+        paper_half_width: half of the 95 % interval of the paper's difference, 0 where nothing is known of it.
+    """
+    return verdict([Finding("", row.difference, row.low, row.high, paper=row.paper, room=1 - baseline,
+                            paper_half_width=paper_half_width)])
+
+
+def points(difference: float) -> str:
+    """A difference of rates in whole points with its sign; never "-0"."""
+    return f"{round(100 * difference):+d}"
+
+
+def spoken_counts(table: pd.DataFrame) -> str:
+    """Of comparisons with a column holm, how many are above 0 and how many below, in words."""
+    clear = table[table.holm < LEVEL]
+    above = int((clear.difference > 0).sum())
+    return (f"{above} of {len(table)} are above 0, {len(clear) - above} below, {len(table) - len(clear)} not "
+            "distinguishable from it")
+
+
+def spoken_differences(table: pd.DataFrame, means: pd.DataFrame) -> str:
+    """A `difference_table` and its `difference_means` in words: where MOVE is above each other method, and the mean."""
+    sentences = []
+    for other, each in table.groupby("baseline", sort=False):
+        clear, mean = each[each.holm < LEVEL], means[means.baseline == other]
+        above = (clear.difference > 0).sum()
+        sentences.append(
+            f"After Holm's adjustment MOVE is above {NAMES[other]} on {above} of {len(each)}, below it on "
+            f"{len(clear) - above}, and not distinguishable on {len(each) - len(clear)}"
+            + (f"; on the mean {spoken_difference(mean.iloc[0])}" if len(mean) else "") + "."
+        )
+    return " ".join(sentences) or "nothing is stored yet."
+
+
+def spoken_tasks(table: pd.DataFrame) -> str:
+    """A `tasks_table` in words: mean, interquartile mean, probability of improvement, and the test over tasks."""
+    return " ".join(
+        f"Over {row.tasks} tasks, taken as a sample of tasks, MOVE minus {NAMES[row.baseline]} is "
+        f"{points(row.mean_difference)} points [{points(row.low)}, {points(row.high)}], of the interquartile "
+        f"means {points(row.iqm_first - row.iqm_second)} [{points(row.iqm_low)}, {points(row.iqm_high)}]; "
+        f"MOVE is better on a task drawn at random with probability {row.improvement:.2f} [{row.improvement_low:.2f}, "
+        f"{row.improvement_high:.2f}]; flipping the tasks' signs gives p = {row.p_value:.3f}."
+        for row in table.itertuples()) or "Fewer than three tasks are stored."
+
+
+def as_columns(found: Estimate) -> dict[str, float | str]:
+    """A difference as columns: all of `COLUMNS` but holm."""
+    return {"difference": found.value, "low": found.low, "high": found.high, "p": found.p_value,
+            "trainings": found.trainings}
+
+
+def _mean(pairs: list[Pair], noise: TrainingNoise) -> dict:
+    """A row of `difference_means`: the mean over pairs; it is one comparison, and Holm leaves it as it is."""
+    mean = mean_difference(pairs, noise)
+    return {"items": len(pairs), **as_columns(mean), "holm": mean.p_value}
+
+
+def with_holm(rows: list[dict]) -> list[dict]:
+    """Rows with a p, as many comparisons of one table, and what p is after Holm's adjustment."""
+    if not rows:
+        return []
+    return [{**row, "holm": value} for row, value in zip(rows, holm([row["p"] for row in rows]), strict=True)]
