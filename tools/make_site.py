@@ -27,7 +27,8 @@ from sphinx.cmd.build import build_main
 
 import move
 from move import paths
-from move.figures.page import changes, kernels, parameters
+from move.figures import names, owner
+from move.figures.page import captions, changes, kernels, parameters
 from move.study.profiles import load_profile
 from move.study.results import Result, split
 
@@ -84,7 +85,7 @@ def executed_copy(path: Path) -> NotebookNode:
     sys.stdout.write(f"make_site: executing {path.stem} ...\n")
     made = paths.BUILD / "site-notebooks" / path.name
     made.parent.mkdir(parents=True, exist_ok=True)
-    given = {} if path.parent == TUTORIAL else parameters.parameters(path.stem, PROFILE, {})
+    given = {} if path.parent == TUTORIAL else parameters.parameters(path.stem, PROFILE)
     return papermill.execute_notebook(path, made, given, kernel_name="python3", progress_bar=False, cwd=path.parent,
                                       execution_timeout=CELL_SECONDS)
 
@@ -103,7 +104,7 @@ def figure_page(name: str, executed: NotebookNode) -> NotebookNode:
     """The page of a figure: picture and caption, the executed notebook, how to make and change it, its runs."""
     title, *cells = shown_cells(executed, hide_code=True)
     pictures = [path.stem for path in sorted(SHIPPED.glob("*.png"))
-                if changes.NOTEBOOK_OF.get(path.stem, path.stem) == name]
+                if owner(path.stem) == name]
     heading, _, question = title.source.partition("\n")
     after = [commands(name), tables(name), provenance(name)]
     if pictures:
@@ -148,11 +149,9 @@ def words(name: str) -> tuple[str, str, str]:
     """Caption, what came out and alternative text of a shipped picture, as the file beside it has them."""
     beside = SHIPPED / f"{name}.caption.md"
     if not beside.exists():
-        cell = nbformat.read(paths.NOTEBOOKS / f"{changes.NOTEBOOK_OF.get(name, name)}.ipynb", 4).cells[0]
+        cell = nbformat.read(paths.NOTEBOOKS / f"{owner(name)}.ipynb", 4).cells[0]
         title = cell.source.split("\n")[0].strip("# ")
         return title, "", title
-    from move.report import captions
-
     told = captions.read(beside)
     return told.text, told.found, told.alt
 
@@ -180,7 +179,7 @@ def films(name: str) -> str:
 
 def commands(name: str) -> str:
     """How to make a figure, and what can be changed of it."""
-    own = changes.own_parameters(name, PROFILE)
+    own = parameters.parameters(name, PROFILE)
     change = next((f"    move figure {name} -p {key}={value // 2}" for key, value in own.items()
                    if isinstance(value, int) and value > 1), "")
     lines = ["## Make it, change it", "From the shipped results, into `paper_figures/`; changed, into a folder of its "
@@ -201,9 +200,7 @@ def tables(name: str) -> str:
 
 def table_of(stem: str) -> str:
     """The notebook that a table belongs to: the longest name that its own begins with."""
-    known = [*notebooks.names(), *changes.NOTEBOOK_OF]
-    name = max((name for name in known if stem == name or stem.startswith(f"{name}_")), key=len, default="")
-    return changes.NOTEBOOK_OF.get(name, name)
+    return max((name for name in names() if stem == name or stem.startswith(f"{name}_")), key=len, default="")
 
 
 def provenance(name: str) -> str:

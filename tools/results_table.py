@@ -7,11 +7,11 @@ table are figure 4 as a number and how many of the paper's claims have which ver
 from __future__ import annotations
 
 import pandas as pd
-from move.report.efficiency import spoken_efficiency
 
 from move import paper, paths
 from move.claims.quantities import half_width
-from move.figures.tables.differences import difference_verdict, points
+from move.figures.fig4_scaling import spoken_efficiency
+from move.figures.tables import difference_verdict, points
 from move.files import written_aside
 from move.statistics.verdicts import VERDICTS
 from move.study.profiles import load_profile

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import re
 import sys
-import time
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Optional
 
@@ -14,7 +12,7 @@ import typer
 from move import figures as listed
 from move import paths
 from move.cli.options import LARGEST_SEED, Figures, Json, Parameters, ProfileName, app, examples
-from move.cli.output import Report, progress, show, show_paths
+from move.cli.output import progress, show, show_paths
 from move.cli.parameters import parameters
 from move.errors import BadInput
 from move.files import refuse_unwritable
@@ -175,24 +173,24 @@ def figure(
     rows: list[dict[str, Any]] = []
     failed: list[str] = []
     with progress("figures") as report:
-        for number, name in enumerate(names):
-            text = f"{name} ({number + 1} of {len(names)})"
+        def on_progress(under_way: list[str], done: float, of_runs: int, asked: int) -> None:
+            text = ", ".join(under_way) + (f": {of_runs} of {asked} runs" if asked else "")
+            report(done, len(names), text=text)
+
+        for done in kernels.run_notebooks(names, chosen, changes, stored_only, on_progress):
+            if done.problem is not None:  # what can be drawn is
+                if len(names) == 1 and isinstance(done.problem, BadInput):
+                    raise done.problem
+                failed.append(done.name)
+                said = str(done.problem)
+                typer.echo(f"move: {said if done.name in said else f'{done.name}: {said}'}", err=True)
+                continue
+            folder = change(done.name, chosen, changes).folder
+            written = sorted(path for path in folder.glob("*") if path.stat().st_mtime >= done.began
+                             and _is_of(path.name, done.name))
+            rows.append({"notebook": done.name, "executed": done.executed, "written": written})
             if not sys.stderr.isatty():
-                typer.echo(f"notebook {text} ({profile}) ...", err=True)
-            report(number, len(names), text=text)
-            began = time.time()
-            try:
-                executed = kernels.run_notebook(name, chosen, changes, stored_only,
-                                                  partial(_report_runs, report, text, number, len(names)))
-            except (kernels.NotebookFailed, BadInput) as failure:
-                if len(names) == 1 and isinstance(failure, BadInput):
-                    raise
-                failed.append(name)
-                typer.echo(f"move: {failure if name in str(failure) else f'{name}: {failure}'}", err=True)
-                continue  # what can be drawn is
-            folder = change(name, chosen, changes).folder
-            written = sorted(path for path in folder.glob("*") if path.stat().st_mtime >= began)
-            rows.append({"notebook": name, "executed": executed, "written": written})
+                typer.echo(f"{done.name} ({len(rows) + len(failed)} of {len(names)})", err=True)
     if as_json:
         show(rows, True, "")
     else:
@@ -203,9 +201,10 @@ def figure(
         raise typer.Exit(1)
 
 
-def _report_runs(report: Report, text: str, before: int, figures: int, done: float, runs: int) -> None:
-    """A figure counts as done as far as its missing runs are."""
-    report(before + done / runs, figures, text=f"{text}: {done:.1f} of {runs} runs")
+def _is_of(file: str, figure: str) -> bool:
+    """Whether a file is one of a figure's; others may be written at the same time."""
+    return any(file.startswith(name) and not file[len(name):len(name) + 1].isalnum()
+               for name in (figure, *listed.load(figure).WORDS.others)) or file.startswith(f"{figure}.")
 
 
 @app.command(epilog=examples("move doctor"))

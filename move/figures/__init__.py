@@ -61,6 +61,11 @@ def named(name: str) -> str:
     raise BadInput(f"figure: {name[:60]!r} given{meant}; allowed are {', '.join([*short, *known])}")
 
 
+def owner(picture: str) -> str:
+    """The figure whose file draws `picture`; itself where the picture is called as its figure is."""
+    return next((name for name in names() if picture in load(name).WORDS.others), picture)
+
+
 def load(name: str) -> ModuleType:
     """The file of figure `name`.
 

@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from move.choices import Method
 from move.figures.page.captions import Words
 from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Frames, Pixels, RandomSeed, TaskName
@@ -29,7 +30,7 @@ LONGEST = 40  # timesteps of a strip
 class Seen(NamedTuple):
     """The configurations of each method's demonstrations, and strips of frames."""
 
-    configurations: dict[str, pd.DataFrame]
+    configurations: Mapping[Method, pd.DataFrame]
     strips: Strips
 
 
@@ -47,8 +48,9 @@ def seen(
     """
     from move.figures.plots import film
 
-    collected = {name: coverage.configurations(Collection(task=task, method=name, timesteps=timesteps), seed)
-                 for name in PAPER_METHODS}
+    collected: dict[Method, pd.DataFrame] = {
+        name: coverage.configurations(Collection(task=task, method=name, timesteps=timesteps), seed)
+        for name in PAPER_METHODS}
     shown = {} if gl_problem() else {"translation": task, "rotation": rotating_task, "camera": task}
     return Seen(collected, {
         f"{part} alone, {TASKS[name].title} ({film.SEEN[name]}), {film.pace(part)}": film.strip(

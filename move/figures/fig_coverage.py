@@ -40,7 +40,7 @@ def runs(
     runs = grid(base, seed=range(seeds), task=budgets(tasks, most_timesteps),
                 moves={name: {"method": method} for name, method in methods.items()})
     return distinct(runs + fig6_dimensions.runs(
-        profile, tasks=dimension_tasks, alone_tasks=[task for task in dimension_tasks if task == "pick-place"],
+        profile, tasks=dimension_tasks, alone_tasks=tuple(task for task in dimension_tasks if task == "pick-place"),
         seeds=seeds, episodes=episodes, most_timesteps=most_timesteps))
 
 

@@ -24,6 +24,7 @@ from move.paper import PAPER_METHODS
 from move.study.kinds import policy_run
 from move.study.labels import LabelledRun, grid
 from move.study.profiles import Profile
+from move.study.spec import PolicyRun
 
 OUTCOMES = {True: "success", False: "failure"}
 COLUMNS = ["method", "episode", "outcome", "in the evaluation", "steps"]
@@ -63,6 +64,7 @@ def seen(data: Data, *, task: str, seed: RandomSeed = 0, frames: Frames = 8, ima
     absent = [NAMES[result.spec.method] for result in data.results if result not in kept]
     rows, strips, films = [], {}, []
     for result in steps([] if gl_problem() else kept, "policies"):
+        assert isinstance(result.spec, PolicyRun)
         method, acting = result.spec.method, policies.acting(result.spec, data.profile)
         for row, played in film.one_of_each(acting, result.spec, np.random.default_rng(seed), image_size):
             ended, title = OUTCOMES[row["success"]], f"{NAMES[method]}, episode {row['trial']}"

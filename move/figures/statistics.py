@@ -26,7 +26,7 @@ def seen(
     draws: Annotated[Count, Field(le=10**6)] = 2000,
 ) -> pd.DataFrame:
     """So many simulated studies of each number of seeds and each deviation of the trainings."""
-    return simulation.coverage(seeds, deviations, rate, draws)
+    return simulation.coverage(list(seeds), list(deviations), rate, draws)
 
 
 def source(data: Data, *, draws: int, rate: float) -> str:

@@ -104,9 +104,9 @@ class Profile(BaseModel):
         return self.notebooks.get(notebook, {})
 
     @property
-    def observations(self) -> tuple[str, ...]:
+    def observations(self) -> tuple[ObservationKind, ...]:
         """What policies of this profile can see on this machine."""
-        hidden = ("rgb",) if self.leaves_out_pixels and gl_problem() else ()
+        hidden = {"rgb"} if self.leaves_out_pixels and gl_problem() else set()
         return tuple(name for name in self.training if name not in hidden)
 
     def recipe(self, observation: str, timesteps: int) -> Training:

@@ -60,12 +60,12 @@ def change(name: str, profile: Profile, given: Mapping[str, Any]) -> Change:
     Args:
         given: its parameters, some or all.
     """
-    own = {key: _plain(value) for key, value in parameters(name, profile).items()}
-    return Change(name, profile, {key: (_plain(value), own[key]) for key, value in given.items()
-                                  if key in own and _plain(value) != own[key]})
+    own = {key: plain(value) for key, value in parameters(name, profile).items()}
+    return Change(name, profile, {key: (plain(value), own[key]) for key, value in given.items()
+                                  if key in own and plain(value) != own[key]})
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
     """As JSON has it: a tuple is a list, and whatever else is its text."""
     return json.loads(json.dumps(value, default=str))
 

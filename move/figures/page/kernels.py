@@ -2,24 +2,31 @@
 
 from __future__ import annotations
 
+import gc
+import multiprocessing
 import os
 import re
-import threading
-from collections.abc import Callable, Iterator
+import sys
+import time
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass, field
+from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from typing import Any
 
 from move import paths
 from move.errors import BadInput
-from move.figures import names
-from move.figures.page.changes import BY_COMMAND
+from move.figures import load, names
+from move.figures.page import forked
+from move.figures.page.changes import BY_COMMAND, plain
 from move.figures.page.parameters import parameters, parts, runs, specs
 from move.study.execute import how_far
 from move.study.profiles import Profile
 
-OnRuns = Callable[[float, int], None]
-"""Called with how many of the missing runs are done, one under way counted in part, and how many there are."""
+OnProgress = Callable[[list[str], float, int, int], None]
+"""Called with the notebooks under way, how many are done (one under way by its runs), and how many of its runs are."""
 
 
 class NotebookFailed(RuntimeError):
@@ -27,6 +34,28 @@ class NotebookFailed(RuntimeError):
 
 
 STARTS = 2  # a kernel can lose the race for its ports once
+LOOKS = 0.5  # seconds between looks at how far runs are
+
+
+@dataclass
+class Done:
+    """A notebook that has ended: its executed copy, or why there is none."""
+
+    name: str
+    began: float
+    executed: Path | None = None
+    problem: Exception | None = None
+
+
+@dataclass
+class _Worker:
+    """A process that executes one notebook."""
+
+    name: str
+    process: Any
+    answer: Connection
+    missing: list[str]
+    began: float = field(default_factory=time.time)
 
 
 def of_profile(profile: Profile) -> list[str]:
@@ -34,9 +63,92 @@ def of_profile(profile: Profile) -> list[str]:
     return [name for name in names() if "runs" not in parts(name) or runs(name, profile)]
 
 
+def run_notebooks(
+    asked: Sequence[str], profile: Profile, changes: dict[str, Any] | None = None, stored_only: bool = False,
+    on_progress: OnProgress | None = None,
+) -> Iterator[Done]:
+    """Execute notebooks, each in a fork of this process, and give each as it ends.
+
+    What they import is imported here, once. From stored results as many run at a time as there are cores; what
+    computes has all cores for itself. Where forks are not possible, and for a single notebook, each runs from here.
+    """
+    if len(asked) == 1 or not forked.POSSIBLE:
+        for name in asked:
+            began = time.time()
+            try:
+                yield Done(name, began, run_notebook(name, profile, changes, stored_only))
+            except (NotebookFailed, BadInput) as problem:
+                yield Done(name, began, problem=problem)
+        return
+    _import_all(asked)
+    working: list[_Worker] = []
+    waiting, done = deque(asked), 0
+    at_once = len(os.sched_getaffinity(0)) if stored_only else 1
+    try:
+        while waiting or working:
+            while waiting and len(working) < at_once:
+                working.append(_start(waiting.popleft(), profile, changes, stored_only))
+            ready = wait([worker.answer for worker in working], LOOKS)
+            if on_progress:
+                under_way = [how_far(paths.RUNS / run) for worker in working for run in worker.missing]
+                so_far = sum(found[1] for found in under_way if found)
+                on_progress([worker.name for worker in working], done + (so_far / len(under_way) if under_way else 0),
+                            round(so_far), len(under_way))
+            for worker in [worker for worker in working if worker.answer in ready]:
+                working.remove(worker)
+                done += 1
+                yield _ended(worker)
+    finally:
+        for worker in working:
+            worker.process.terminate()
+            worker.process.join()
+
+
+def _import_all(asked: Sequence[str]) -> None:
+    """Import what the notebooks and their kernels need, so that forks have it."""
+    import ipykernel.kernelapp  # noqa: F401
+    import papermill  # noqa: F401
+
+    from move.figures.page import make  # noqa: F401
+
+    for name in asked:
+        load(name)
+    gc.collect()
+    gc.freeze()
+
+
+def _start(name: str, profile: Profile, changes: dict[str, Any] | None, stored_only: bool) -> _Worker:
+    receiving, sending = multiprocessing.Pipe(duplex=False)
+    fork = multiprocessing.get_context("fork")
+    process = fork.Process(target=_work, args=(sending, name, profile, changes, stored_only))
+    missing = [] if stored_only else missing_runs(name, profile, changes)
+    sys.stdout.flush()
+    process.start()
+    sending.close()
+    return _Worker(name, process, receiving, missing)
+
+
+def _work(answer: Connection, name: str, profile: Profile, changes: dict[str, Any] | None, stored_only: bool) -> None:
+    """In the fork: execute one notebook and say what came of it."""
+    try:
+        answer.send(("executed", str(run_notebook(name, profile, changes, stored_only))))
+    except (NotebookFailed, BadInput) as problem:
+        answer.send((type(problem).__name__, str(problem)))
+
+
+def _ended(worker: _Worker) -> Done:
+    try:
+        kind, text = worker.answer.recv()
+    except EOFError:
+        kind, text = "NotebookFailed", f"{worker.name}.ipynb failed: its process was killed"
+    worker.process.join()
+    if kind == "executed":
+        return Done(worker.name, worker.began, Path(text))
+    return Done(worker.name, worker.began, problem=(BadInput if kind == "BadInput" else NotebookFailed)(text))
+
+
 def run_notebook(
-    name: str, profile: Profile, changes: dict[str, Any] | None = None, stored_only: bool = False,
-    on_runs: OnRuns | None = None,
+    name: str, profile: Profile, changes: dict[str, Any] | None = None, stored_only: bool = False
 ) -> Path:
     """Execute notebook `name`; the executed copy stays under build/notebooks/.
 
@@ -52,15 +164,15 @@ def run_notebook(
 
     folder = paths.BUILD / "notebooks" / profile.name
     executed, problem = folder / f"{name}.ipynb", ""
-    given = {**parameters(name, profile, changes), "profile": profile.name}
+    given = {**plain(parameters(name, profile, changes)), "profile": profile.name}
+    manager = {"kernel_manager_class": forked.ForkedKernel} if forked.POSSIBLE else {}
     folder.mkdir(parents=True, exist_ok=True)
     for _ in range(STARTS):
         try:
-            with (_environment({BY_COMMAND: "1"} | ({"MOVE_STORED_ONLY": "1"} if stored_only else {})),
-                   watched([] if stored_only else _missing(name, profile, changes or {}), on_runs)):
+            with _environment({BY_COMMAND: "1"} | ({"MOVE_STORED_ONLY": "1"} if stored_only else {})):
                 done = papermill.execute_notebook(
                     paths.NOTEBOOKS / f"{name}.ipynb", executed, given, kernel_name="python3", progress_bar=False,
-                    cwd=paths.NOTEBOOKS, extra_arguments=["--log-level=ERROR"])
+                    cwd=paths.NOTEBOOKS, extra_arguments=["--log-level=ERROR"], **manager)
         except PapermillExecutionError as error:
             if error.ename in ("BadInput", "ValidationError"):
                 raise BadInput(_useful(error.ename, error.evalue)) from error
@@ -87,30 +199,11 @@ def _useful(kind: str, message: str) -> str:
     return " ".join(message.split())
 
 
-def _missing(name: str, profile: Profile, changes: dict[str, Any]) -> list[str]:
-    """The hashes of the notebook's runs of which no result is stored."""
+def missing_runs(name: str, profile: Profile, changes: dict[str, Any] | None) -> list[str]:
+    """The hashes of a figure's runs of which no result is stored."""
     folder = paths.results(profile)
     found = dict.fromkeys(spec.hash for spec in specs(name, profile, changes))
     return [run for run in found if not (folder / f"{run}.json").exists()]
-
-
-@contextmanager
-def watched(missing: list[str], on_runs: OnRuns | None) -> Iterator[None]:
-    """While the runs of a notebook are computed elsewhere, report once a second how far they are."""
-    ended = threading.Event()
-
-    def watch() -> None:
-        while missing and on_runs and not ended.wait(1.0):
-            under_way = filter(None, map(how_far, (paths.RUNS / run for run in missing)))
-            on_runs(sum(fraction for _, fraction in under_way), len(missing))
-
-    watcher = threading.Thread(target=watch, daemon=True)
-    watcher.start()
-    try:
-        yield
-    finally:
-        ended.set()
-        watcher.join()
 
 
 @contextmanager
