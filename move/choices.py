@@ -15,7 +15,6 @@ from typing import Any, Literal
 from move import paths
 from move.errors import BadInput
 
-Method = Literal["static", "adc", "move", "mixture"]
 Factors = Literal["object", "object+hand", "object+target", "all"]
 Protocol = Literal["random", "sparse", "dense", "circle"]
 ExpertName = Literal["phase", "metaworld"]

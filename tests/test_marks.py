@@ -196,7 +196,7 @@ def test_differences_stand_at_their_numbers_with_the_means_last_under_a_line(ax)
     assert [line.get_xdata()[0] for line in ax.get_lines() if line.get_color() == "black" and line.get_lw() == 0.8] == [
         0]
     assert {container[0].get_marker() for container in ax.containers} == {mark for mark in ("o", "s")} == {
-        marker for _, marker in DIFFERENCES.values()}
+        DIFFERENCES[other][1] for other in ("static", "adc")}
 
 
 @pytest.mark.parametrize("means", [None, pd.DataFrame()])

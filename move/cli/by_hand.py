@@ -10,15 +10,15 @@ from typing import Annotated, Literal, Optional
 
 import typer
 
-from move.choices import Control, ExpertName, ExportFormat, Factors, Method, Protocol, SpeedLaw
-from move.cli.options import ClipActions, Json, ProfileName, Seed, Task, TaskName, app, examples
+from move.choices import Control, ExpertName, ExportFormat, Factors, Protocol, SpeedLaw
+from move.cli.options import ClipActions, Json, MethodName, ProfileName, Seed, Task, TaskName, app, examples
 from move.cli.output import progress, show
 from move.errors import BadInput
 from move.files import refuse_unwritable
 from move.sim.observe import IMAGE_SIZE, ObservationKind
 
-Speed = Annotated[Optional[float], typer.Option(help="the largest under MOVE, metres per step")]
-Turn = Annotated[Optional[float], typer.Option(help="the largest under MOVE, radians per step")]
+Speed = Annotated[Optional[float], typer.Option(help="the largest, metres per step")]
+Turn = Annotated[Optional[float], typer.Option(help="the largest, radians per step")]
 OF_A_CHECKPOINT = re.compile(r"run\.json|tensors-\d+\.safetensors|\.?[\w.-]+\.(part|old|lock)|lock")
 
 
@@ -30,7 +30,7 @@ OF_A_CHECKPOINT = re.compile(r"run\.json|tensors-\d+\.safetensors|\.?[\w.-]+\.(p
 def collect(
     out: Annotated[Optional[Path], typer.Option(help="zarr folder to write (default: under build/data)")] = None,
     task: Task = "pick-place",
-    method: Annotated[Method, typer.Option(help="how it is collected")] = "move",
+    method: Annotated[MethodName, typer.Option(help="how it is collected")] = "move",
     timesteps: Annotated[int, typer.Option(help="budget in steps of the environment")] = 2500,
     observation: Annotated[ObservationKind, typer.Option(help="what is kept of each timestep")] = "keypoints",
     image_size: Annotated[Optional[int], typer.Option(help=f"of rgb, pixels along a side ({IMAGE_SIZE})")] = None,

@@ -1,4 +1,4 @@
-"""Demonstrations of a scripted expert by static collection, ADC, MOVE or a mixture, under an exact budget of timesteps.
+"""Demonstrations of a scripted expert by any method, under an exact budget of timesteps.
 
 The budget counts timesteps, not episodes, and the last demonstration is cut where the budget ends. Training makes one
 window a timestep, so every method gives the same number of training windows. A demonstration that fails is discarded
@@ -20,9 +20,9 @@ from move.sim.collection import ANY_HAND, Collection
 from move.sim.configuration import SpatialConfiguration, Vector, vector
 from move.sim.demonstrations import Demonstrations
 from move.sim.experts.phase import Expert, make_expert
-from move.sim.grasp_points import grasp_point, motion_region
-from move.sim.motion.adc import Jumps, jumping_phases
-from move.sim.motion.wrappers import with_motions
+from move.sim.grasp_points import grasp_point
+from move.sim.methods import get_method
+from move.sim.motion.adc import jumping_phases
 from move.sim.scene.scene import EPISODE_STEPS, SUCCESS_STEPS, Scene
 from move.sim.scene.shared_model import shared_world
 from move.sim.tasks import Task, get_task
@@ -85,15 +85,10 @@ def surrounded(scene: Scene, collection: Collection) -> gymnasium.Env:
     Raises:
         BadInput: a mixture, whose parts have an environment each.
     """
-    if collection.method == "mixture":
-        raise BadInput("method: 'mixture' given; allowed here is each of its parts")
-    if collection.method == "static":
-        return scene
-    if collection.method == "adc":
-        return Jumps(scene, collection.factors, collection.jumping)
-    arrive = collection.protocol != "random"
-    region = motion_region(collection.protocol, scene.task)
-    return with_motions(scene, collection.motions_used, collection.factors, region, arrive)
+    wrap = get_method(collection.method).wrap
+    if wrap is None:
+        raise BadInput(f"method: {collection.method!r} given; allowed here is each of its parts")
+    return wrap(scene, collection)
 
 
 def attempt_seed(seed: int, attempt: int) -> int:

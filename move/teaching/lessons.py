@@ -24,7 +24,6 @@ from move.learn.train import TrainingReport, train
 from move.machine import gl_problem
 from move.report.style import COLOURS, NAMES
 from move.sim.collect import Collection, collect
-from move.sim.collection import Method
 from move.sim.demonstrations import Demonstrations
 from move.sim.observe import keypoint_slices
 from move.sim.tasks import get_task
@@ -59,7 +58,7 @@ def windows_table(demonstrations: Demonstrations, training: Training, first: int
                         index=pd.Index(rows, name="timestep"))
 
 
-def draw_pictures(task: str, methods: tuple[Method, ...], size: int, seed: int, timesteps: tuple[int, ...]) -> Markdown:
+def draw_pictures(task: str, methods: tuple[str, ...], size: int, seed: int, timesteps: tuple[int, ...]) -> Markdown:
     """Images of the first demonstration by each method at some timesteps, as a policy from pixels sees them."""
     if problem := gl_problem():
         return Markdown(f"No images: {problem}.")
