@@ -188,41 +188,26 @@ def collect(
     """
     if env and len(collection.parts) > 1:
         raise BadInput("env: one given for a mixture; allowed is one for a collection by a single method")
-    made: list[tuple[Demonstrations, CollectionRecord]] = []
+    started, kept, tried = time.perf_counter(), _Kept(collection.timesteps), 0
     for part in collection.parts:
-        before = sum(record.timesteps for _, record in made)
-        made.append(_collect(part, seed, env, _shifted(on_step, before, collection.timesteps)))
-    return made[0] if len(made) == 1 else _end_to_end(made)
-
-
-def _shifted(on_step: Callable[[int, int], None] | None, before: int, total: int) -> Callable[[int], None]:
-    """What reports `before` timesteps more than it is told, of `total`; to nobody if there is nobody."""
-    def report(done: int) -> None:
-        if on_step:
-            on_step(before + done, total)
-    return report
-
-
-def _collect(
-    collection: Collection, seed: int, env: gymnasium.Env | None, on_step: Callable[[int], None]
-) -> tuple[Demonstrations, CollectionRecord]:
-    """Collect by one method; each demonstration is copied once, to where it stays."""
-    started, kept, tried, failed_in_a_row = time.perf_counter(), _Kept(collection.timesteps), 0, 0
-    for episode in attempts(collection, seed, env):
-        tried += 1
-        failed_in_a_row = 0 if episode.succeeded else failed_in_a_row + 1
-        if episode.succeeded or collection.keep_failures:
-            kept.add(episode)
-            on_step(min(kept.total, collection.timesteps))
-        if failed_in_a_row >= PATIENCE:
-            raise BadInput(f"{collection.task}, {collection.method}: {PATIENCE} attempts in a row failed")
-        if kept.total >= collection.timesteps:
-            break
+        kept.end += part.timesteps
+        failed_in_a_row = 0
+        for episode in attempts(part, seed, env):
+            tried += 1
+            failed_in_a_row = 0 if episode.succeeded else failed_in_a_row + 1
+            if episode.succeeded or collection.keep_failures:
+                kept.add(episode)
+                if on_step:
+                    on_step(kept.ends[-1], collection.timesteps)
+            if failed_in_a_row >= PATIENCE:
+                raise BadInput(f"{part.task}, {part.method}: {PATIENCE} attempts in a row failed")
+            if kept.full:
+                break
     record = CollectionRecord(
         attempts=tried,
         demonstrations=len(kept.starts),
         timesteps=collection.timesteps,
-        mean_steps=kept.total / len(kept.starts),
+        mean_steps=kept.steps / len(kept.starts),
         generation_rate=len(kept.starts) / tried,
         grasp_points=[grasp.object_position[:2] for grasp in kept.grasps],
         seconds=time.perf_counter() - started,
@@ -234,23 +219,32 @@ def _collect(
 
 
 class _Kept:
-    """Demonstrations end to end in arrays as large as the budget; the last one is cut where the budget ends."""
+    """Demonstrations end to end in arrays as large as the budget, each copied once.
+
+    The last one before `end`, where the budget of a part ends, is cut there.
+    """
 
     def __init__(self, budget: int) -> None:
-        self.budget, self.total = budget, 0
+        self.budget, self.end, self.steps = budget, 0, 0  # `steps`: before any was cut
         self.ends: list[int] = []
         self.starts: list[SpatialConfiguration] = []
         self.grasps: list[SpatialConfiguration] = []  # every kept demonstration has one
         self.jumps: list[int] = []
 
+    @property
+    def full(self) -> bool:
+        """Whether there is no room before `end`."""
+        return self.ends[-1:] == [self.end]
+
     def add(self, episode: Episode) -> None:
         if not self.ends:
             self.observations = self._room_for(episode.observations[0])
             self.actions = self._room_for(episode.actions[0])
-        place = slice(self.total, min(self.total + len(episode.actions), self.budget))
+        first = self.ends[-1] if self.ends else 0
+        place = slice(first, min(first + len(episode.actions), self.end))
         self.observations[place] = episode.observations[: place.stop - place.start]
         self.actions[place] = episode.actions[: place.stop - place.start]
-        self.total += len(episode.actions)
+        self.steps += len(episode.actions)
         self.ends.append(place.stop)
         self.starts.append(episode.start)
         self.grasps += [episode.grasp] if episode.grasp else []
@@ -258,24 +252,6 @@ class _Kept:
 
     def _room_for(self, one: np.ndarray) -> np.ndarray:
         return np.empty((self.budget, *one.shape), one.dtype)
-
-
-def _end_to_end(made: list[tuple[Demonstrations, CollectionRecord]]) -> tuple[Demonstrations, CollectionRecord]:
-    """The parts of a mixture as one data set and its record."""
-    parts, records = zip(*made, strict=True)
-    behind = np.cumsum([0, *(part.timesteps for part in parts[:-1])])
-    attempts, demonstrations = (sum(getattr(record, name) for record in records)
-                                for name in ("attempts", "demonstrations"))
-    lists = {name: [value for record in records for value in getattr(record, name)]
-             for name in ("grasp_points", "starts", "grasps", "jumps")}
-    return Demonstrations(
-        np.concatenate([part.observations for part in parts]), np.concatenate([part.actions for part in parts]),
-        np.concatenate([part.episode_ends + before for part, before in zip(parts, behind, strict=True)]),
-    ), CollectionRecord(
-        attempts=attempts, demonstrations=demonstrations, timesteps=sum(record.timesteps for record in records),
-        mean_steps=sum(record.mean_steps * record.demonstrations for record in records) / demonstrations,
-        generation_rate=demonstrations / attempts, seconds=sum(record.seconds for record in records), **lists,
-    )
 
 
 def record_attributes(collection: Collection, seed: int, record: CollectionRecord) -> dict:
