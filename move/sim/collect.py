@@ -63,14 +63,19 @@ def _columns(configurations: list[SpatialConfiguration]) -> dict[str, list[float
 
 @dataclass(frozen=True)
 class Episode:
-    """One attempt: what was observed and done, whether it succeeded, the scene at its start and when it grasped."""
+    """One attempt: what was observed and done, whether it succeeded, and where everything was when it grasped."""
 
     observations: list[np.ndarray]
     actions: list[np.ndarray]
+    seen: list[tuple[str, SpatialConfiguration]]  # phase and configuration of each observation
     succeeded: bool
-    start: SpatialConfiguration
     grasp: SpatialConfiguration | None  # None where nothing was grasped, or touched where a touch is enough
     jumps: int = 0  # of object and target, under ADC
+
+    @property
+    def start(self) -> SpatialConfiguration:
+        """Where everything was at first."""
+        return self.seen[0][1]
 
 
 def collecting_env(collection: Collection) -> gymnasium.Env:
@@ -103,16 +108,18 @@ def demonstrate(env: gymnasium.Env, expert: Expert, seed: int, options: dict) ->
     expert.reset()
     observations: list[np.ndarray] = []
     actions: list[np.ndarray] = []
-    successes, start = 0, scene.configuration
+    seen: list[tuple[str, SpatialConfiguration]] = []
+    successes = 0
     grasp: SpatialConfiguration | None = None
     while len(actions) < EPISODE_STEPS and successes < SUCCESS_STEPS:
         observations.append(observation)
+        seen.append((scene.phase, scene.configuration))
         actions.append(expert.action(scene))
         observation, _, _, _, info = env.step(actions[-1])
         successes += info["success"]
         if grasp is None and info["phase"] == "place":
             grasp = scene.configuration
-    return Episode(observations, actions, successes >= SUCCESS_STEPS, start, grasp, info.get("jumps", 0))
+    return Episode(observations, actions, seen, successes >= SUCCESS_STEPS, grasp, info.get("jumps", 0))
 
 
 def attempts(collection: Collection, seed: int, env: gymnasium.Env | None = None) -> Iterator[Episode]:

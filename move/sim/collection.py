@@ -165,14 +165,12 @@ class Collection(BaseModel):
         """
         if not self.shares:
             return (self,)
-        return tuple(self._part(name, steps) for name, steps in zip(self.methods, self._steps(), strict=True))
+        return tuple(self.model_copy(update={**_without_effect(name), "method": name, "timesteps": steps})
+                     for name, steps in zip(self.methods, self._steps(), strict=True))
 
     def _steps(self) -> list[int]:
         first = [math.floor(share * self.timesteps + 1e-9) for _, share in self.shares[:-1]]
         return [*first, self.timesteps - sum(first)]
-
-    def _part(self, method: str, timesteps: int) -> Collection:
-        return self.model_copy(update={**_without_effect(method), "method": method, "timesteps": timesteps})
 
     @property
     def motions_used(self) -> Motions:

@@ -7,12 +7,12 @@ from collections.abc import Sequence
 import gymnasium
 from gymnasium.envs.registration import EnvSpec
 
+from move.errors import one_of
 from move.sim.collect import surrounded
 from move.sim.collection import Collection
 from move.sim.methods import single_methods
 from move.sim.motion.wrappers import Part
 from move.sim.observe import IMAGE_SIZE
-from move.sim.scene import checks
 from move.sim.scene.scene import Scene
 from move.validation import build
 
@@ -46,7 +46,7 @@ class MovingScene(gymnasium.Wrapper):
                  object_speed: float | None = None, target_speed: float | None = None,
                  camera_speed: float | None = None, yaw_speed: float | None = None,
                  speed_law: str | None = None) -> None:
-        checks.one_of("method", method, single_methods())
+        one_of("method", method, single_methods())
         scene = Scene(task, observation, image_size, render_mode, factors)
         chosen = build(Collection, task=task, method=method, factors=factors, timesteps=1,  # of any length
                        moving=moving, object_speed=object_speed, target_speed=target_speed,

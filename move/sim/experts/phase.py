@@ -13,7 +13,7 @@ from typing import Protocol
 
 import numpy as np
 
-from move.errors import BadInput
+from move.errors import one_of
 from move.sim.configuration import Vector, vector
 from move.sim.experts.metaworld import MetaworldExpert
 from move.sim.geometry import past, shifted, turned, wrapped
@@ -187,6 +187,5 @@ def make_expert(name: str, task: Task) -> Expert:
     Raises:
         BadInput: an unknown name.
     """
-    if name not in EXPERTS:
-        raise BadInput(f"expert: {name!r} given; allowed are {', '.join(EXPERTS)}")
+    one_of("expert", name, EXPERTS)
     return EXPERTS[name](task)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from move.errors import BadInput
+from move.errors import one_of
 from move.sim.methods.adc import ADC
 from move.sim.methods.method import Method
 from move.sim.methods.mixture import MIXTURE
@@ -24,15 +24,10 @@ def get_method(name: str) -> Method:
     >>> get_method("adc").title
     'ADC'
     """
-    if name not in METHODS:
-        raise BadInput(f"method: {name!r} given; allowed are {', '.join(METHODS)}")
+    one_of("method", name, METHODS)
     return METHODS[name]
 
 
 def single_methods() -> list[str]:
-    """The names of those that wrap a scene, which a mixture can be made of.
-
-    >>> single_methods()[:3]
-    ['static', 'adc', 'move']
-    """
+    """The names of those that wrap a scene, which a mixture can be made of."""
     return [name for name, method in METHODS.items() if method.wrap]

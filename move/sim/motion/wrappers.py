@@ -55,6 +55,7 @@ class Motion(gymnasium.Wrapper):
     """
 
     keeps_clear = True
+    velocity: Any  # a step: metres along each axis, or radians
 
     def __init__(self, env: gymnasium.Env, maximum_speed: float, law: SpeedLaw = "beta") -> None:
         super().__init__(env)
@@ -99,8 +100,8 @@ class Motion(gymnasium.Wrapper):
         raise NotImplementedError
 
     def sample(self, rng: np.random.Generator) -> None:
-        """Sample speed and direction."""
-        raise NotImplementedError
+        """Sample a speed, by default w, u ~ Beta(2, 5) and a direction in {-1, 1}."""
+        self.velocity = self.sample_speed(rng) * equations.sample_sign(rng)
 
     def sample_speed(self, rng: np.random.Generator) -> float:
         """A speed by this motion's law, at most `maximum_speed`."""
@@ -169,10 +170,6 @@ class ObjectTranslation(PickMotion):
 class ObjectRotation(PickMotion):
     """The object turns about the vertical within the task's yaw range (equation 2); `maximum_speed` in rad/step."""
 
-    def sample(self, rng: np.random.Generator) -> None:
-        """Sample w ~ Beta(2, 5) and a direction in {-1, 1}."""
-        self.velocity = self.sample_speed(rng) * equations.sample_sign(rng)
-
     def placed(self, time: float) -> SpatialConfiguration:
         """The configuration with the yaw after `time` steps."""
         yaw = equations.turn(self.start.object_yaw, self.velocity, time, *self.scene.task.yaw_range)
@@ -220,10 +217,6 @@ class CameraMotion(Motion):
     def moving(self) -> bool:
         """Always."""
         return True
-
-    def sample(self, rng: np.random.Generator) -> None:
-        """Sample u ~ Beta(2, 5) and a direction in {-1, 1}."""
-        self.velocity = self.sample_speed(rng) * equations.sample_sign(rng)
 
     def placed(self, time: float) -> SpatialConfiguration:
         """The configuration with the camera's angle after `time` steps."""

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from move.choices import Place
-from move.errors import BadInput
+from move.errors import BadInput, one_of
 from move.sim.configuration import Box, SpatialConfiguration, Vector
 from move.sim.tasks.feasibility import Reachable, anywhere
 from move.sim.tasks.ranges import HALF_CIRCLE, NO_TARGET, WIDE_HAND
@@ -179,8 +179,7 @@ class Task:
         Raises:
             BadInput: unknown factors, or no allowed configuration among a thousand candidates.
         """
-        if factors not in FACTORS:
-            raise BadInput(f"factors: {factors!r} given; allowed are {', '.join(FACTORS)}")
+        one_of("factors", factors, FACTORS)
         for _ in range(MAX_CANDIDATES):
             candidate = self._candidate(rng, factors)
             if self.allows(candidate, self.separation):
