@@ -14,10 +14,10 @@ from move import (
     experiments,  # noqa: E402
     paths,  # noqa: E402
 )
+from move.paper import PAPER_TASKS  # noqa: E402
 from move.report import captions, differences, maps, page, plots, printed, style, tables  # noqa: E402
 from move.sim.collect import Collection  # noqa: E402
 from move.sim.configuration import Disc  # noqa: E402
-from move.sim.tasks import TASKS  # noqa: E402
 from move.statistics import estimates as statistics  # noqa: E402
 from move.statistics.cells import training_noise  # noqa: E402
 from move.study import results  # noqa: E402
@@ -153,7 +153,7 @@ def test_collection_costs_count_all_attempts_but_only_successful_steps():
 
 def test_table_5_is_the_papers_and_counts_demonstrations():
     costs = pd.DataFrame([{"task": name, "method": method, "expert": "phase", "mean_steps": 100.0}
-                          for name in TASKS for method in ("static", "adc", "move")])
+                          for name in PAPER_TASKS for method in ("static", "adc", "move")])
     table = tables.data_sizes(costs)
     assert table.timesteps.tolist() == table.paper.tolist()
     assert table.paper[table.task == "Box-Close"].tolist() == [100_000]
