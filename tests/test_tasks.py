@@ -72,7 +72,7 @@ class Stock:
         """Where Meta-World's reset would have put its target."""
         if self.task.has_target:
             return np.array(configuration.target_position)
-        if self.task.name == "disassemble":  # 0.15 m above where Meta-World drops the nut, which comes to rest 6 mm lower
+        if self.task.name == "disassemble":  # 0.15 m above where Meta-World drops the nut, 6 mm up
             return np.array(configuration.object_position) + (0.0, 0.0, 0.156)
         return np.array(configuration.object_position) + self.from_object
 
