@@ -41,6 +41,7 @@ def collect(
     object_speed: Speed = None,
     target_speed: Speed = None,
     camera_speed: Turn = None,
+    yaw_speed: Turn = None,
     speed_law: Annotated[Optional[SpeedLaw], typer.Option(help="how speeds below the largest are drawn (beta)")] = None,
     moving: Annotated[Optional[str], typer.Option(help="what moves, such as object,target (default: all)")] = None,
     shares: Annotated[Optional[str], typer.Option(help="of a mixture, such as static=0.5,move=0.5")] = None,
@@ -62,8 +63,9 @@ def collect(
     chosen = build(collecting.Collection, task=task, method=method, timesteps=timesteps, observation=observation,
                    image_size=IMAGE_SIZE if image_size is None else image_size,
                    factors=factors or ("all" if protocol == "random" else "object"), protocol=protocol, expert=expert,
-                   object_speed=object_speed, target_speed=target_speed, camera_speed=camera_speed, speed_law=speed_law,
-                   moving=moving.split(",") if moving is not None else None, shares=_shares(shares))
+                   object_speed=object_speed, target_speed=target_speed, camera_speed=camera_speed,
+                   yaw_speed=yaw_speed, speed_law=speed_law, shares=_shares(shares),
+                   moving=moving.split(",") if moving is not None else None)
     path = out or paths.BUILD / "data" / f"{task}-{method}-{protocol}-{observation}-{timesteps}-{seed}.zarr"
     dataset.check_place(path, overwrite)
     with progress("collect") as report:

@@ -1,4 +1,4 @@
-"""What to collect, as data: the methods that exist, and everything that decides a data set but for the seed."""
+"""What to collect, as data: everything that decides a data set but for the seed."""
 
 from __future__ import annotations
 
