@@ -109,8 +109,8 @@ class Collection(BaseModel):
                                  f"{', '.join(able)}, each once")
             return None if set(value) == set(able) else tuple(part for part in able if part in value)
         able = info.data.get("moving") or able
-        part = next((part for part, field in SPEEDS.items() if field == name), able[0])
-        if part not in able:
+        part = next((part for part, field in SPEEDS.items() if field == name), None)
+        if part and part not in able:
             raise ValueError(f"the {part} does not move; allowed are speeds of {', '.join(able)}")
         return None if value == getattr(Motions(), name) else value
 
