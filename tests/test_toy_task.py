@@ -13,6 +13,7 @@ from move.learn.agents import Nothing
 from move.learn.evaluate import Evaluation, evaluate, starts
 from move.sim.collect import Collection, collect
 from move.sim.configuration import Box
+from move.sim.methods import METHODS
 from move.sim.scene.scene import Scene
 from move.sim.tasks import TASKS
 from move.sim.tasks.ranges import SIDE, WIDE_HAND, fixed
@@ -141,6 +142,14 @@ def constants(path: Path) -> set[str]:
     }
     return {node.value for node in ast.walk(tree)
             if isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in documented}
+
+
+@pytest.mark.parametrize("room", ["sim", "learn", "study", "cli"])
+def test_only_the_methods_name_methods(room):
+    folder = Path(move.__file__).parent / room
+    names = {name for name in METHODS if name != "move"}  # which is the package's name, and MOVE what is usual
+    naming = {path.relative_to(folder).parts[0] for path in folder.rglob("*.py") if names & constants(path)}
+    assert naming == ({"methods"} if room == "sim" else set())
 
 
 def test_only_the_tasks_name_tasks():

@@ -208,21 +208,10 @@ def collect(
                     on_step(kept.ends[-1], collection.timesteps)
             if failed_in_a_row >= PATIENCE:
                 raise BadInput(f"{part.task}, {part.method}: {PATIENCE} attempts in a row failed")
-            if kept.full:
+            if kept.ends[-1:] == [kept.end]:
                 break
-    record = CollectionRecord(
-        attempts=tried,
-        demonstrations=len(kept.starts),
-        timesteps=collection.timesteps,
-        mean_steps=kept.steps / len(kept.starts),
-        generation_rate=len(kept.starts) / tried,
-        grasp_points=[grasp.object_position[:2] for grasp in kept.grasps],
-        seconds=time.perf_counter() - started,
-        starts=kept.starts,
-        grasps=kept.grasps,
-        jumps=kept.jumps,
-    )
-    return Demonstrations(kept.observations, kept.actions, np.array(kept.ends, np.int64)), record
+    made = Demonstrations(kept.observations, kept.actions, np.array(kept.ends, np.int64))
+    return made, kept.record(tried, time.perf_counter() - started)
 
 
 class _Kept:
@@ -238,15 +227,10 @@ class _Kept:
         self.grasps: list[SpatialConfiguration] = []  # every kept demonstration has one
         self.jumps: list[int] = []
 
-    @property
-    def full(self) -> bool:
-        """Whether there is no room before `end`."""
-        return self.ends[-1:] == [self.end]
-
     def add(self, episode: Episode) -> None:
         if not self.ends:
-            self.observations = self._room_for(episode.observations[0])
-            self.actions = self._room_for(episode.actions[0])
+            self.observations, self.actions = (np.empty((self.budget, *one.shape), one.dtype)
+                                               for one in (episode.observations[0], episode.actions[0]))
         first = self.ends[-1] if self.ends else 0
         place = slice(first, min(first + len(episode.actions), self.end))
         self.observations[place] = episode.observations[: place.stop - place.start]
@@ -257,9 +241,20 @@ class _Kept:
         self.grasps += [episode.grasp] if episode.grasp else []
         self.jumps.append(episode.jumps)
 
-    def _room_for(self, one: np.ndarray) -> np.ndarray:
-        return np.empty((self.budget, *one.shape), one.dtype)
-
+    def record(self, attempts: int, seconds: float) -> CollectionRecord:
+        """What it cost to keep these."""
+        return CollectionRecord(
+            attempts=attempts,
+            demonstrations=len(self.starts),
+            timesteps=self.budget,
+            mean_steps=self.steps / len(self.starts),
+            generation_rate=len(self.starts) / attempts,
+            grasp_points=[grasp.object_position[:2] for grasp in self.grasps],
+            seconds=seconds,
+            starts=self.starts,
+            grasps=self.grasps,
+            jumps=self.jumps,
+        )
 
 def record_attributes(collection: Collection, seed: int, record: CollectionRecord) -> dict:
     """What is stored beside a data set: how it was made and what it cost."""
