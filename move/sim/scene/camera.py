@@ -1,4 +1,4 @@
-"""The camera on its cylinder: where it is, how it looks at the scene, where a point lands in its image.
+"""The camera on its cylinder: where it is, how it looks at the scene, where a point is in its frame.
 
 The cylinder is the authors': around the point (0, 0.6, 0.2) m, of radius sqrt(0.6^2 + 0.295^2) = 0.669 m, with the
 camera 0.6 m above that point. Only the angle around the vertical axis varies (equation 3).
