@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Literal
 
-Method = Literal["static", "adc", "move", "mixture"]
 Factors = Literal["object", "object+hand", "object+target", "all"]
 Protocol = Literal["random", "sparse", "dense", "circle"]
 ExpertName = Literal["phase", "metaworld"]

@@ -18,7 +18,6 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
-import gymnasium
 import matplotlib
 import numpy as np
 import pandas as pd
@@ -342,16 +341,16 @@ class World:
             if caption:
                 (folder / f"{name}.caption.md").write_text(caption.markdown(), encoding="utf-8")
 
-        def attempts(collection: Any, seed: int, recorder: Any) -> Iterator[SimpleNamespace]:
-            recorder.seen = visited(collection, self.turned).to_dict("records")
+        def attempts(collection: Any, seed: int, env: None) -> Iterator[SimpleNamespace]:
+            rows = visited(collection, self.turned).to_dict("records")
+            seen = [(row.pop("phase"), SimpleNamespace(columns=row.copy)) for row in rows]
             while True:
-                yield SimpleNamespace(succeeded=True, actions=recorder.seen)
+                yield SimpleNamespace(succeeded=True, seen=seen)
 
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(paths, "ROOT", self.folder)
             patch.setattr(paths, "BUILD", self.folder / "build")
             patch.setattr(paths, "RUNS", self.folder / "build" / "runs")
-            patch.setattr(coverage, "collecting_env", lambda collection: gymnasium.Env())
             patch.setattr(coverage, "attempts", attempts)
             patch.setattr(style, "save", saved)
             patch.setattr(gc, "collect", lambda *_: 0)  # statsmodels does after every adjustment, a second each time

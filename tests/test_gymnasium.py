@@ -216,8 +216,8 @@ def test_a_video_is_recorded(tmp_path):
     ({"camera_speed": float("nan")}, "camera_speed: nan given"),
     ({"yaw_speed": 0.1}, "the rotation does not move; allowed are speeds of object, target, camera"),
     ({"moving": ["moon"]}, "'moon' given; input should be 'object'"),
-    ({"method": "static", "object_speed": 0.1}, "nothing moves under method 'static'"),
-    ({"method": "adc", "moving": ["object"]}, "nothing moves under method 'adc'"),
+    ({"method": "static", "object_speed": 0.1}, "nothing moves at a speed under static; allowed with move"),
+    ({"method": "adc", "moving": ["object"]}, "nothing moves at a speed under adc"),
     ({"factors": "object", "camera_speed": 0.1}, "the camera does not move"),
     ({"speed_law": "normal"}, "'normal' given; input should be 'beta', 'uniform' or 'constant'"),
 ])

@@ -99,8 +99,8 @@ def test_without_a_choice_motions_are_what_they_were():
 
 
 @pytest.mark.parametrize("wrong, message", [
-    ({"method": "static", "object_speed": 0.03}, "object_speed: 0.03 given; nothing moves under method 'static'"),
-    ({"method": "adc", "moving": ("object",)}, "nothing moves under method 'adc'; allowed for 'move' only"),
+    ({"method": "static", "object_speed": 0.03}, "object_speed: 0.03 given; nothing moves at a speed under static"),
+    ({"method": "adc", "moving": ("object",)}, "nothing moves at a speed under adc; allowed with move"),
     ({"object_speed": -0.01}, "object_speed: -0.01 given; input should be greater than 0"),
     ({"object_speed": 0.0}, "greater than 0"),
     ({"target_speed": float("inf")}, "target_speed: inf given"),
@@ -108,7 +108,7 @@ def test_without_a_choice_motions_are_what_they_were():
     ({"target_speed": 0.5}, "target_speed: 0.5 given; input should be less than or equal to 0.3"),
     ({"camera_speed": 1.0}, "camera_speed: 1.0 given; input should be less than or equal to 0.349"),
     ({"yaw_speed": 0.1}, "the rotation does not move; allowed are speeds of object, target, camera"),
-    ({"method": "adc", "speed_law": "uniform"}, "speed_law: 'uniform' given; nothing moves under method 'adc'"),
+    ({"method": "adc", "speed_law": "uniform"}, "speed_law: 'uniform' given; nothing moves at a speed under adc"),
     ({"speed_law": "normal"}, "speed_law: 'normal' given; input should be 'beta', 'uniform' or 'constant'"),
     ({"motions": Motions(object_speed=0.1), "speed_law": "uniform"}, "motions are given too"),
     ({"moving": ("moon",)}, "'moon' given; input should be 'object'"),

@@ -1,5 +1,6 @@
 """The scene: Gymnasium's rules, determinism, success as in Meta-World, a camera and keypoints that fit the pictures."""
 
+import math
 import warnings
 from dataclasses import replace
 
@@ -169,7 +170,9 @@ def test_projection_finds_the_object_in_the_picture(angle):
     there = replace(TASK.fixed, camera_angle=angle)
     scene.reset(options={"configuration": there})
     with_object = scene.render_image(96).astype(int)
-    column, row = camera.project(scene.point("body:obj")[None], angle, 96)[0]
+    right, up, forward = camera.to_camera_frame(scene.point("body:obj")[None], angle)[0]
+    scale = 48 / math.tan(camera.FIELD_OF_VIEW / 2)
+    column, row = 48 + scale * right / forward, 48 - scale * up / forward
     scene.move_object((0.0, 0.6, -1.0), 0.0)
     without = scene.refresh().astype(int)
     rows, columns = np.nonzero(np.abs(with_object - without).sum(-1) > 30)

@@ -1,18 +1,20 @@
 """The ten success conditions against the authors' own, written once more from positions; and that a box is closed."""
 
 import math
+from types import SimpleNamespace
 
 import mujoco
 import numpy as np
 import pytest
 
-from move.paper import PAPER_METHODS
+from move.paper import PAPER_METHODS, PAPER_TASKS
 from move.sim.collect import attempt_seed, collecting_env, demonstrate
 from move.sim.collection import Collection
 from move.sim.experts.phase import make_expert
 from move.sim.motion.adc import MENDED
 from move.sim.scene.scene import Scene
-from move.sim.tasks import TASKS, get_task
+from move.sim.tasks import get_task
+from move.sim.tasks.success import joint_beyond
 
 
 def within(point, target, distance):
@@ -61,8 +63,8 @@ OTHERWISE = {
 """What remains different, and why."""
 
 
-def test_every_task_has_the_authors_rule_or_a_reason():
-    assert set(AUTHORS) | set(OTHERWISE) == set(TASKS)
+def test_every_task_of_the_paper_has_the_authors_rule_or_a_reason():
+    assert set(AUTHORS) | set(OTHERWISE) == set(PAPER_TASKS)
 
 
 @pytest.mark.parametrize("name", AUTHORS)
@@ -89,6 +91,13 @@ def test_window_open_is_won_within_six_millimetres_of_where_the_authors_is():
         for whose, wins in (("authors", there <= 0.105), ("here", scene.task.success(scene))):
             won.setdefault(whose, opened) if wins else None
     assert 0.189 < won["here"] <= won["authors"] < won["here"] + 0.006
+
+
+@pytest.mark.parametrize("limit, short, beyond", [(0.09, 0.089, 0.091), (-0.16, -0.159, -0.161), (-0.06, 0.2, -0.07)])
+def test_a_joint_is_beyond_its_limit_on_the_side_of_the_limits_sign(limit, short, beyond):
+    condition = joint_beyond("joint", limit)
+    assert [condition(SimpleNamespace(joint=lambda name, at=at: at)) for at in (0.0, short, limit, beyond)] == [
+        False, False, False, True]
 
 
 @pytest.mark.parametrize("method", PAPER_METHODS)

@@ -13,11 +13,12 @@ from move.learn.agents import Nothing
 from move.learn.evaluate import Evaluation, evaluate, starts
 from move.sim.collect import Collection, collect
 from move.sim.configuration import Box
+from move.sim.methods import METHODS
 from move.sim.scene.scene import Scene
 from move.sim.tasks import TASKS
 from move.sim.tasks.ranges import SIDE, WIDE_HAND, fixed
-from move.sim.tasks.success import near
-from move.sim.tasks.task import GraspParameters, MovableBody, Task
+from move.sim.tasks.success import joint_beyond, near
+from move.sim.tasks.task import GraspParameters, MovableBody, PushParameters, Task
 from move.sim.tasks.transport import Grasped, TransportState, Waypoint, read
 from move.study.run import run
 from move.study.spec import PolicyRun
@@ -47,6 +48,22 @@ TOY = Task(
     fixed=fixed((0.0, 0.8, 0.0199), (0.0, 0.55, 0.02)),
     manipulation=GraspParameters(backwards),
     target_dimensions=2,
+)
+
+
+BUTTON = Task(  # whose joint runs from 0 to -0.06 m
+    name="button-press",
+    title="Button-Press",
+    metaworld="button-press-v3",
+    object_range=Box((-0.1, 0.8, 0.115), (0.1, 0.9, 0.115)),
+    camera_range=SIDE,
+    object_bodies=(MovableBody("body", "box", joint="btnbox_joint"),),
+    object_point="body:button+0,-0.193,0",
+    keypoints=("body:button+0,-0.193,0",),
+    success=joint_beyond("btnbox_joint", -0.045),
+    fixed=fixed((0.0, 0.85, 0.115)),
+    manipulation=PushParameters("box", offset=(0.0, -0.05, 0.0), stroke=(0.0, 0.15, 0.0), above=0.1,
+                                joint="btnbox_joint", enough=-0.07, lost=0.1),
 )
 
 
@@ -88,6 +105,16 @@ def test_every_method_and_both_experts_demonstrate_a_new_task(toy, method, exper
     assert all(moved) if method != "static" else not any(moved)
 
 
+@pytest.mark.parametrize("method", ["static", "adc", "move"])
+def test_every_method_demonstrates_a_task_whose_joint_opens_towards_negative_positions(monkeypatch, method):
+    monkeypatch.setitem(TASKS, BUTTON.name, BUTTON)
+    _, record = collect(plan(task=BUTTON.name, method=method, timesteps=400), seed=0)
+    assert record.generation_rate >= 0.9
+    scene = Scene(BUTTON)
+    scene.reset(seed=0)
+    assert not BUTTON.success(scene)
+
+
 def test_an_agent_solves_a_new_task_from_keypoints(toy):
     made, record = collect(plan(), seed=1)
     whole = record.starts[:-1]  # the last demonstration is cut
@@ -115,6 +142,14 @@ def constants(path: Path) -> set[str]:
     }
     return {node.value for node in ast.walk(tree)
             if isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in documented}
+
+
+@pytest.mark.parametrize("room", ["sim", "learn", "study", "cli"])
+def test_only_the_methods_name_methods(room):
+    folder = Path(move.__file__).parent / room
+    names = {name for name in METHODS if name != "move"}  # which is the package's name, and MOVE what is usual
+    naming = {path.relative_to(folder).parts[0] for path in folder.rglob("*.py") if names & constants(path)}
+    assert naming == ({"methods"} if room == "sim" else set())
 
 
 def test_only_the_tasks_name_tasks():

@@ -32,7 +32,7 @@ from move import paper
 from move.claims.claims import Claim, Quantity, Where
 from move.claims.evidence import Evidence, region, runs_of
 from move.realworld.trials import compare
-from move.sim.collection import Collection, Method
+from move.sim.collection import Collection
 from move.sim.coverage import PARTS, configurations, visited_share
 from move.sim.tasks import TASKS, get_task
 from move.statistics.cells import by_budget, successes
@@ -331,11 +331,11 @@ def coverage(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
 
 
 @cache
-def _seen(method: Method, timesteps: int, seed: int) -> pd.DataFrame:
+def _seen(method: str, timesteps: int, seed: int) -> pd.DataFrame:
     return configurations(Collection(task="pick-place", method=method, timesteps=timesteps), seed)
 
 
-def _share(method: Method, part: str, timesteps: int, seed: int) -> float:
+def _share(method: str, part: str, timesteps: int, seed: int) -> float:
     return visited_share(_seen(method, timesteps, seed), get_task("pick-place"), part)
 
 

@@ -10,15 +10,15 @@ from typing import Annotated, Literal, Optional
 
 import typer
 
-from move.choices import Control, ExpertName, ExportFormat, Factors, Method, Protocol, SpeedLaw
-from move.cli.options import ClipActions, Json, ProfileName, Seed, Task, TaskName, app, examples
+from move.choices import Control, ExpertName, ExportFormat, Factors, Protocol, SpeedLaw
+from move.cli.options import ClipActions, Json, MethodName, ProfileName, Seed, Task, TaskName, app, examples
 from move.cli.output import progress, show
 from move.errors import BadInput
 from move.files import refuse_unwritable
 from move.sim.observe import IMAGE_SIZE, ObservationKind
 
-Speed = Annotated[Optional[float], typer.Option(help="the largest under MOVE, metres per step")]
-Turn = Annotated[Optional[float], typer.Option(help="the largest under MOVE, radians per step")]
+Speed = Annotated[Optional[float], typer.Option(help="the largest, metres per step")]
+Turn = Annotated[Optional[float], typer.Option(help="the largest, radians per step")]
 OF_A_CHECKPOINT = re.compile(r"run\.json|tensors-\d+\.safetensors|\.?[\w.-]+\.(part|old|lock)|lock")
 
 
@@ -30,7 +30,7 @@ OF_A_CHECKPOINT = re.compile(r"run\.json|tensors-\d+\.safetensors|\.?[\w.-]+\.(p
 def collect(
     out: Annotated[Optional[Path], typer.Option(help="zarr folder to write (default: under build/data)")] = None,
     task: Task = "pick-place",
-    method: Annotated[Method, typer.Option(help="how it is collected")] = "move",
+    method: Annotated[MethodName, typer.Option(help="how it is collected")] = "move",
     timesteps: Annotated[int, typer.Option(help="budget in steps of the environment")] = 2500,
     observation: Annotated[ObservationKind, typer.Option(help="what is kept of each timestep")] = "keypoints",
     image_size: Annotated[Optional[int], typer.Option(help=f"of rgb, pixels along a side ({IMAGE_SIZE})")] = None,
@@ -41,6 +41,7 @@ def collect(
     object_speed: Speed = None,
     target_speed: Speed = None,
     camera_speed: Turn = None,
+    yaw_speed: Turn = None,
     speed_law: Annotated[Optional[SpeedLaw], typer.Option(help="how speeds below the largest are drawn (beta)")] = None,
     moving: Annotated[Optional[str], typer.Option(help="what moves, such as object,target (default: all)")] = None,
     shares: Annotated[Optional[str], typer.Option(help="of a mixture, such as static=0.5,move=0.5")] = None,
@@ -62,8 +63,9 @@ def collect(
     chosen = build(collecting.Collection, task=task, method=method, timesteps=timesteps, observation=observation,
                    image_size=IMAGE_SIZE if image_size is None else image_size,
                    factors=factors or ("all" if protocol == "random" else "object"), protocol=protocol, expert=expert,
-                   object_speed=object_speed, target_speed=target_speed, camera_speed=camera_speed, speed_law=speed_law,
-                   moving=moving.split(",") if moving is not None else None, shares=_shares(shares))
+                   object_speed=object_speed, target_speed=target_speed, camera_speed=camera_speed,
+                   yaw_speed=yaw_speed, speed_law=speed_law, shares=_shares(shares),
+                   moving=moving.split(",") if moving is not None else None)
     path = out or paths.BUILD / "data" / f"{task}-{method}-{protocol}-{observation}-{timesteps}-{seed}.zarr"
     dataset.check_place(path, overwrite)
     with progress("collect") as report:

@@ -7,12 +7,15 @@ from typing import TYPE_CHECKING, Annotated, Literal, Optional
 import typer
 
 from move import figures
+from move.sim.methods import METHODS
 from move.sim.tasks import TASKS
 
 if TYPE_CHECKING:
     TaskName = str
+    MethodName = str
 else:
     TaskName = Literal[tuple(TASKS)]
+    MethodName = Literal[tuple(METHODS)]
 
 app = typer.Typer(no_args_is_help=True, rich_markup_mode="rich", pretty_exceptions_enable=False,
                   help="MOVE, reproduced: collect demonstrations, train policies, evaluate them, rebuild the paper.")

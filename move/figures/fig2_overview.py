@@ -10,7 +10,6 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from move.choices import Method
 from move.figures.page.captions import Words
 from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Frames, Pixels, RandomSeed, TaskName
@@ -30,7 +29,7 @@ LONGEST = 40  # timesteps of a strip
 class Seen(NamedTuple):
     """The configurations of each method's demonstrations, and strips of frames."""
 
-    configurations: Mapping[Method, pd.DataFrame]
+    configurations: Mapping[str, pd.DataFrame]
     strips: Strips
 
 
@@ -48,7 +47,7 @@ def seen(
     """
     from move.figures.plots import film
 
-    collected: dict[Method, pd.DataFrame] = {
+    collected: dict[str, pd.DataFrame] = {
         name: coverage.configurations(Collection(task=task, method=name, timesteps=timesteps), seed)
         for name in PAPER_METHODS}
     shown = {} if gl_problem() else {"translation": task, "rotation": rotating_task, "camera": task}

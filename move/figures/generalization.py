@@ -8,11 +8,10 @@ import matplotlib.pyplot as plt
 import pandas as pd
 from matplotlib.figure import Figure
 
-from move.choices import Method
 from move.figures import plots
 from move.figures.page.captions import DIFFERENCES, INTERVALS, RATES, Words
 from move.figures.page.data import Data
-from move.figures.page.parameters import Count, Seeds
+from move.figures.page.parameters import Count, MethodName, Seeds
 from move.figures.plots.style import NAMES, PAGE_WIDTH
 from move.figures.tables import difference_table, rate_table, spoken_difference
 from move.learn.evaluate import Evaluation
@@ -30,7 +29,7 @@ TRIED = {"grasp": "own", "random": "elsewhere", "moving": "in_motion"}
 
 def runs(
     profile: Profile, tasks: tuple[str, ...] = ("pick-place", "push", "window-open"),
-    methods: tuple[Method, ...] = PAPER_METHODS, seeds: tuple[Seeds, ...] = (1,), own_episodes: Count = 60,
+    methods: tuple[MethodName, ...] = PAPER_METHODS, seeds: tuple[Seeds, ...] = (1,), own_episodes: Count = 60,
     episodes: Count = 100, most_timesteps: Count = 20_000,
 ) -> list[LabelledRun]:
     """Policies of table 2 from pixels: where table 2 tries them, the same in motion, and at their own grasps.

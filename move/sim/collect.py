@@ -1,4 +1,4 @@
-"""Demonstrations of a scripted expert by static collection, ADC, MOVE or a mixture, under an exact budget of timesteps.
+"""Demonstrations of a scripted expert by any method, under an exact budget of timesteps.
 
 The budget counts timesteps, not episodes, and the last demonstration is cut where the budget ends. Training makes one
 window a timestep, so every method gives the same number of training windows. A demonstration that fails is discarded
@@ -20,9 +20,9 @@ from move.sim.collection import ANY_HAND, Collection
 from move.sim.configuration import SpatialConfiguration, Vector, vector
 from move.sim.demonstrations import Demonstrations
 from move.sim.experts.phase import Expert, make_expert
-from move.sim.grasp_points import grasp_point, motion_region
-from move.sim.motion.adc import Jumps, jumping_phases
-from move.sim.motion.wrappers import with_motions
+from move.sim.grasp_points import grasp_point
+from move.sim.methods import get_method
+from move.sim.motion.adc import jumping_phases
 from move.sim.scene.scene import EPISODE_STEPS, SUCCESS_STEPS, Scene
 from move.sim.scene.shared_model import shared_world
 from move.sim.tasks import Task, get_task
@@ -63,14 +63,19 @@ def _columns(configurations: list[SpatialConfiguration]) -> dict[str, list[float
 
 @dataclass(frozen=True)
 class Episode:
-    """One attempt: what was observed and done, whether it succeeded, the scene at its start and when it grasped."""
+    """One attempt: what was observed and done, whether it succeeded, and where everything was when it grasped."""
 
     observations: list[np.ndarray]
     actions: list[np.ndarray]
+    seen: list[tuple[str, SpatialConfiguration]]  # phase and configuration of each observation
     succeeded: bool
-    start: SpatialConfiguration
     grasp: SpatialConfiguration | None  # None where nothing was grasped, or touched where a touch is enough
     jumps: int = 0  # of object and target, under ADC
+
+    @property
+    def start(self) -> SpatialConfiguration:
+        """Where everything was at first."""
+        return self.seen[0][1]
 
 
 def collecting_env(collection: Collection) -> gymnasium.Env:
@@ -85,15 +90,10 @@ def surrounded(scene: Scene, collection: Collection) -> gymnasium.Env:
     Raises:
         BadInput: a mixture, whose parts have an environment each.
     """
-    if collection.method == "mixture":
-        raise BadInput("method: 'mixture' given; allowed here is each of its parts")
-    if collection.method == "static":
-        return scene
-    if collection.method == "adc":
-        return Jumps(scene, collection.factors, collection.jumping)
-    arrive = collection.protocol != "random"
-    region = motion_region(collection.protocol, scene.task)
-    return with_motions(scene, collection.motions_used, collection.factors, region, arrive)
+    wrap = get_method(collection.method).wrap
+    if wrap is None:
+        raise BadInput(f"method: {collection.method!r} given; allowed here is each of its parts")
+    return wrap(scene, collection)
 
 
 def attempt_seed(seed: int, attempt: int) -> int:
@@ -108,16 +108,18 @@ def demonstrate(env: gymnasium.Env, expert: Expert, seed: int, options: dict) ->
     expert.reset()
     observations: list[np.ndarray] = []
     actions: list[np.ndarray] = []
-    successes, start = 0, scene.configuration
+    seen: list[tuple[str, SpatialConfiguration]] = []
+    successes = 0
     grasp: SpatialConfiguration | None = None
     while len(actions) < EPISODE_STEPS and successes < SUCCESS_STEPS:
         observations.append(observation)
+        seen.append((scene.phase, scene.configuration))
         actions.append(expert.action(scene))
         observation, _, _, _, info = env.step(actions[-1])
         successes += info["success"]
         if grasp is None and info["phase"] == "place":
             grasp = scene.configuration
-    return Episode(observations, actions, successes >= SUCCESS_STEPS, start, grasp, info.get("jumps", 0))
+    return Episode(observations, actions, seen, successes >= SUCCESS_STEPS, grasp, info.get("jumps", 0))
 
 
 def attempts(collection: Collection, seed: int, env: gymnasium.Env | None = None) -> Iterator[Episode]:
@@ -193,56 +195,33 @@ def collect(
     """
     if env and len(collection.parts) > 1:
         raise BadInput("env: one given for a mixture; allowed is one for a collection by a single method")
-    made: list[tuple[Demonstrations, CollectionRecord]] = []
+    started, kept, tried = time.perf_counter(), _Kept(collection.timesteps), 0
     for part in collection.parts:
-        before = sum(record.timesteps for _, record in made)
-        made.append(_collect(part, seed, env, _shifted(on_step, before, collection.timesteps)))
-    return made[0] if len(made) == 1 else _end_to_end(made)
-
-
-def _shifted(on_step: Callable[[int, int], None] | None, before: int, total: int) -> Callable[[int], None]:
-    """What reports `before` timesteps more than it is told, of `total`; to nobody if there is nobody."""
-    def report(done: int) -> None:
-        if on_step:
-            on_step(before + done, total)
-    return report
-
-
-def _collect(
-    collection: Collection, seed: int, env: gymnasium.Env | None, on_step: Callable[[int], None]
-) -> tuple[Demonstrations, CollectionRecord]:
-    """Collect by one method; each demonstration is copied once, to where it stays."""
-    started, kept, tried, failed_in_a_row = time.perf_counter(), _Kept(collection.timesteps), 0, 0
-    for episode in attempts(collection, seed, env):
-        tried += 1
-        failed_in_a_row = 0 if episode.succeeded else failed_in_a_row + 1
-        if episode.succeeded or collection.keep_failures:
-            kept.add(episode)
-            on_step(min(kept.total, collection.timesteps))
-        if failed_in_a_row >= PATIENCE:
-            raise BadInput(f"{collection.task}, {collection.method}: {PATIENCE} attempts in a row failed")
-        if kept.total >= collection.timesteps:
-            break
-    record = CollectionRecord(
-        attempts=tried,
-        demonstrations=len(kept.starts),
-        timesteps=collection.timesteps,
-        mean_steps=kept.total / len(kept.starts),
-        generation_rate=len(kept.starts) / tried,
-        grasp_points=[grasp.object_position[:2] for grasp in kept.grasps],
-        seconds=time.perf_counter() - started,
-        starts=kept.starts,
-        grasps=kept.grasps,
-        jumps=kept.jumps,
-    )
-    return Demonstrations(kept.observations, kept.actions, np.array(kept.ends, np.int64)), record
+        kept.end += part.timesteps
+        failed_in_a_row = 0
+        for episode in attempts(part, seed, env):
+            tried += 1
+            failed_in_a_row = 0 if episode.succeeded else failed_in_a_row + 1
+            if episode.succeeded or collection.keep_failures:
+                kept.add(episode)
+                if on_step:
+                    on_step(kept.ends[-1], collection.timesteps)
+            if failed_in_a_row >= PATIENCE:
+                raise BadInput(f"{part.task}, {part.method}: {PATIENCE} attempts in a row failed")
+            if kept.ends[-1:] == [kept.end]:
+                break
+    made = Demonstrations(kept.observations, kept.actions, np.array(kept.ends, np.int64))
+    return made, kept.record(tried, time.perf_counter() - started)
 
 
 class _Kept:
-    """Demonstrations end to end in arrays as large as the budget; the last one is cut where the budget ends."""
+    """Demonstrations end to end in arrays as large as the budget, each copied once.
+
+    The last one before `end`, where the budget of a part ends, is cut there.
+    """
 
     def __init__(self, budget: int) -> None:
-        self.budget, self.total = budget, 0
+        self.budget, self.end, self.steps = budget, 0, 0  # `steps`: before any was cut
         self.ends: list[int] = []
         self.starts: list[SpatialConfiguration] = []
         self.grasps: list[SpatialConfiguration] = []  # every kept demonstration has one
@@ -250,38 +229,32 @@ class _Kept:
 
     def add(self, episode: Episode) -> None:
         if not self.ends:
-            self.observations = self._room_for(episode.observations[0])
-            self.actions = self._room_for(episode.actions[0])
-        place = slice(self.total, min(self.total + len(episode.actions), self.budget))
+            self.observations, self.actions = (np.empty((self.budget, *one.shape), one.dtype)
+                                               for one in (episode.observations[0], episode.actions[0]))
+        first = self.ends[-1] if self.ends else 0
+        place = slice(first, min(first + len(episode.actions), self.end))
         self.observations[place] = episode.observations[: place.stop - place.start]
         self.actions[place] = episode.actions[: place.stop - place.start]
-        self.total += len(episode.actions)
+        self.steps += len(episode.actions)
         self.ends.append(place.stop)
         self.starts.append(episode.start)
         self.grasps += [episode.grasp] if episode.grasp else []
         self.jumps.append(episode.jumps)
 
-    def _room_for(self, one: np.ndarray) -> np.ndarray:
-        return np.empty((self.budget, *one.shape), one.dtype)
-
-
-def _end_to_end(made: list[tuple[Demonstrations, CollectionRecord]]) -> tuple[Demonstrations, CollectionRecord]:
-    """The parts of a mixture as one data set and its record."""
-    parts, records = zip(*made, strict=True)
-    behind = np.cumsum([0, *(part.timesteps for part in parts[:-1])])
-    attempts, demonstrations = (sum(getattr(record, name) for record in records)
-                                for name in ("attempts", "demonstrations"))
-    lists = {name: [value for record in records for value in getattr(record, name)]
-             for name in ("grasp_points", "starts", "grasps", "jumps")}
-    return Demonstrations(
-        np.concatenate([part.observations for part in parts]), np.concatenate([part.actions for part in parts]),
-        np.concatenate([part.episode_ends + before for part, before in zip(parts, behind, strict=True)]),
-    ), CollectionRecord(
-        attempts=attempts, demonstrations=demonstrations, timesteps=sum(record.timesteps for record in records),
-        mean_steps=sum(record.mean_steps * record.demonstrations for record in records) / demonstrations,
-        generation_rate=demonstrations / attempts, seconds=sum(record.seconds for record in records), **lists,
-    )
-
+    def record(self, attempts: int, seconds: float) -> CollectionRecord:
+        """What it cost to keep these."""
+        return CollectionRecord(
+            attempts=attempts,
+            demonstrations=len(self.starts),
+            timesteps=self.budget,
+            mean_steps=self.steps / len(self.starts),
+            generation_rate=len(self.starts) / attempts,
+            grasp_points=[grasp.object_position[:2] for grasp in self.grasps],
+            seconds=seconds,
+            starts=self.starts,
+            grasps=self.grasps,
+            jumps=self.jumps,
+        )
 
 def record_attributes(collection: Collection, seed: int, record: CollectionRecord) -> dict:
     """What is stored beside a data set: how it was made and what it cost."""

@@ -1,21 +1,19 @@
-"""What to collect, as data: the methods that exist, and everything that decides a data set but for the seed."""
+"""What to collect, as data: everything that decides a data set but for the seed."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import Annotated, Any, Literal, Self, get_args
+from collections.abc import Iterable, Mapping
+from typing import Annotated, Any, Self
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationInfo, field_validator, model_validator
 
-from move.choices import Drawing, ExpertName, Method, Place, Protocol, SpeedLaw
+from move.choices import Drawing, ExpertName, Place, Protocol, SpeedLaw
+from move.sim.methods import METHODS, single_methods
 from move.sim.motion.adc import Jumping
-from move.sim.motion.wrappers import Motions, Part, movable
+from move.sim.motion.wrappers import PARTS, SPEEDS, Motions, Part, movable
 from move.sim.observe import IMAGE_SIZE, ObservationKind, ObservationSpec
 from move.sim.tasks import FACTORS, TASKS, Task, get_task
-
-METHODS: tuple[str, ...] = get_args(Method)
-"""All that exist; those of the paper are `move.paper.PAPER_METHODS`."""
 
 ANY_HAND = "object+hand"  # the factors under which a prescribed grasp is begun anywhere in the hand's range
 FASTEST = 0.3  # metres per step: across the object's range in one step
@@ -23,9 +21,13 @@ FASTEST_TURN = math.radians(20)  # radians per step: a half circle in nine steps
 Speed = Annotated[float, Field(gt=0, le=FASTEST, allow_inf_nan=False)]
 Share = Annotated[float, Field(gt=0, lt=1, allow_inf_nan=False)]
 Turn = Annotated[float, Field(gt=0, le=FASTEST_TURN, allow_inf_nan=False)]
-SPEEDS: dict[Part, str] = {"object": "object_speed", "rotation": "yaw_speed", "target": "target_speed",
-                           "camera": "camera_speed"}
-MOTION_CHOICES = ("moving", *SPEEDS.values(), "speed_law")
+
+
+def _single(method: str) -> str:
+    """Refuse what is no method, or a mixture itself."""
+    if method not in single_methods():
+        raise ValueError(f"allowed are {', '.join(single_methods())}")
+    return method
 
 
 class Collection(BaseModel):
@@ -37,7 +39,7 @@ class Collection(BaseModel):
     model_config = ConfigDict(frozen=True, strict=True, extra="forbid")
 
     task: str = Field(description="a name in move.sim.tasks.TASKS")
-    method: Method = Field(description="how it is collected")
+    method: str = Field(description="how it is collected: a name in move.sim.methods.METHODS")
     timesteps: int = Field(gt=0, le=10**8, description="the budget, in steps of the environment")
     observation: ObservationKind = Field(default="keypoints", description="what is kept of each timestep")
     image_size: int = Field(default=IMAGE_SIZE, ge=16, le=512, description="pixels along a side")
@@ -56,12 +58,12 @@ class Collection(BaseModel):
         default="plain", description="of images; full: with shadows, reflections, sky and multisampling"
     )
     object_steps: int | None = Field(
-        default=None, gt=0, le=200, description="how long the object moves under MOVE, in steps; None: as the task says"
+        default=None, gt=0, le=200, description="how long the object moves, in steps; None: as the task says"
     )
-    shares: tuple[tuple[Literal["static", "adc", "move"], Share], ...] = Field(
+    shares: tuple[tuple[Annotated[str, AfterValidator(_single)], Share], ...] = Field(
         default=(), description="of a mixture: each method's share of the timesteps, sum 1; a mapping may be given"
     )
-    moving: tuple[Part, ...] | None = Field(default=None, description="what moves under MOVE; None: all that can")
+    moving: tuple[Part, ...] | None = Field(default=None, description="what moves; None: all that the method can move")
     object_speed: Speed | None = Field(default=None, description="the largest; metres per step; None: that of motions")
     target_speed: Speed | None = Field(default=None, description="the same of the target")
     camera_speed: Turn | None = Field(default=None, description="the same of the camera; radians per step")
@@ -72,10 +74,11 @@ class Collection(BaseModel):
         default=None, description="how an episode draws each speed below the largest; None: that of motions"
     )
 
-    @field_validator("task", "factors")
+    @field_validator("task", "method", "factors")
     @classmethod
     def _known(cls, name: str, info: ValidationInfo) -> str:
-        known = TASKS if info.field_name == "task" else FACTORS
+        tables: dict[str, Iterable[str]] = {"task": TASKS, "method": METHODS, "factors": FACTORS}
+        known = list(tables[str(info.field_name)])
         if name not in known:
             raise ValueError(f"allowed are {', '.join(known)}")
         return name
@@ -92,37 +95,24 @@ class Collection(BaseModel):
     @field_validator("shares")
     @classmethod
     def _in_the_order_of_methods(cls, shares: tuple[tuple[str, float], ...]) -> tuple[tuple[str, float], ...]:
-        return tuple(sorted(shares, key=lambda share: METHODS.index(share[0])))
+        return tuple(sorted(shares, key=lambda share: list(METHODS).index(share[0])))
 
-    @field_validator("moving")
+    @field_validator("moving", *SPEEDS.values(), "speed_law")
     @classmethod
-    def _each_part_once(cls, moving: tuple[str, ...] | None, info: ValidationInfo) -> tuple[str, ...] | None:
-        if moving is None or not {"task", "method", "factors", "motions"} <= info.data.keys():
-            return moving
-        able = _able_to_move(info.data)
-        if not moving or len(set(moving)) < len(moving) or set(moving) - set(able):
-            raise ValueError(f"{', '.join(moving) or 'nothing'} given; allowed are one or more of {', '.join(able)}, "
-                             "each once")
-        return None if set(moving) == set(able) else tuple(part for part in able if part in moving)
-
-    @field_validator(*SPEEDS.values())
-    @classmethod
-    def _of_what_moves(cls, speed: float | None, info: ValidationInfo) -> float | None:
-        if speed is None or not {"task", "method", "factors", "motions", "moving"} <= info.data.keys():
-            return speed
-        able = info.data["moving"] or _able_to_move(info.data)
-        name = str(info.field_name)
-        part = next(part for part, field in SPEEDS.items() if field == name)
-        if part not in able:
+    def _of_what_moves(cls, value: Any, info: ValidationInfo) -> Any:
+        if value is None or not {"task", "method", "factors", "motions", "shares"} <= info.data.keys():
+            return value  # the first problem is an earlier field's
+        name, able = str(info.field_name), _able_to_move(info.data)
+        if name == "moving":
+            if not value or len(set(value)) < len(value) or set(value) - set(able):
+                raise ValueError(f"{', '.join(value) or 'nothing'} given; allowed are one or more of "
+                                 f"{', '.join(able)}, each once")
+            return None if set(value) == set(able) else tuple(part for part in able if part in value)
+        able = info.data.get("moving") or able
+        part = next((part for part, field in SPEEDS.items() if field == name), None)
+        if part and part not in able:
             raise ValueError(f"the {part} does not move; allowed are speeds of {', '.join(able)}")
-        return None if speed == getattr(Motions(), name) else speed
-
-    @field_validator("speed_law")
-    @classmethod
-    def _law_of_what_moves(cls, law: str | None, info: ValidationInfo) -> str | None:
-        if law is not None and {"task", "method", "factors", "motions"} <= info.data.keys():
-            _able_to_move(info.data)
-        return None if law == Motions().speed_law else law
+        return None if value == getattr(Motions(), name) else value
 
     @model_validator(mode="after")
     def _nothing_without_effect(self) -> Self:
@@ -131,24 +121,23 @@ class Collection(BaseModel):
                              f"{self.factors!r}; allowed there is 0, for the hand's start is one of the factors")
         if self.drawing != "plain" and self.observation != "rgb":
             raise ValueError(f"drawing {self.drawing!r} with keypoints; allowed with rgb")
-        if self.object_steps is not None and "move" not in self.methods:
-            raise ValueError(f"object_steps is given for method {self.method!r}; allowed for 'move' only")
         self.scene_task  # noqa: B018, refuses places that are not known
-        if self.jumping != Jumping() and "adc" not in self.methods:
-            raise ValueError(f"jumping is given for method {self.method!r}; allowed for 'adc' only")
+        for name, default in _without_effect(self.method, *self.methods).items():
+            if getattr(self, name) != default:
+                allowed = [method.name for method in METHODS.values() if name in method.settings]
+                raise ValueError(f"{name} given for method {self.method!r}; allowed with {', '.join(allowed)}")
         return self
 
     @model_validator(mode="after")
     def _shares_make_a_whole(self) -> Self:
+        if METHODS[self.method].wrap:
+            return self
         names = [name for name, _ in self.shares]
-        if self.method != "mixture":
-            if names:
-                raise ValueError(f"shares are given for method {self.method!r}; allowed for 'mixture' only")
-        elif len(names) < 2 or len(set(names)) < len(names):
+        if len(names) < 2 or len(set(names)) < len(names):
             raise ValueError(f"a mixture of {', '.join(names) or 'nothing'}; allowed are shares of two methods or more")
-        elif not math.isclose(math.fsum(share for _, share in self.shares), 1, abs_tol=1e-9):
-            raise ValueError(f"shares add up to {math.fsum(share for _, share in self.shares):g}; allowed is 1")
-        elif min(steps := self._steps()) < 1:
+        if not math.isclose(total := math.fsum(share for _, share in self.shares), 1, abs_tol=1e-9):
+            raise ValueError(f"shares add up to {total:g}; allowed is 1")
+        if min(steps := self._steps()) < 1:
             raise ValueError(f"shares give {', '.join(map(str, steps))} of {self.timesteps} timesteps; allowed is one "
                              "each at least")
         return self
@@ -174,36 +163,38 @@ class Collection(BaseModel):
 
         Shares are rounded down to whole timesteps; the last part has the rest.
         """
-        if self.method != "mixture":
+        if not self.shares:
             return (self,)
-        return tuple(self._part(name, steps) for name, steps in zip(self.methods, self._steps(), strict=True))
+        return tuple(self.model_copy(update={**_without_effect(name), "method": name, "timesteps": steps})
+                     for name, steps in zip(self.methods, self._steps(), strict=True))
 
     def _steps(self) -> list[int]:
         first = [math.floor(share * self.timesteps + 1e-9) for _, share in self.shares[:-1]]
         return [*first, self.timesteps - sum(first)]
 
-    def _part(self, method: str, timesteps: int) -> Collection:
-        changes: dict[str, Any] = {"method": method, "timesteps": timesteps, "shares": ()}
-        if method != "move":
-            changes |= {"motions": Motions(), "object_steps": None, **dict.fromkeys(MOTION_CHOICES)}
-        if method != "adc":
-            changes["jumping"] = Jumping()
-        return self.model_copy(update=changes)
-
     @property
     def motions_used(self) -> Motions:
-        """MOVE's motions with the choices of this collection: their law, the largest speeds, 0 of what stands still."""
-        chosen = {name: getattr(self, name) for name in MOTION_CHOICES[1:] if getattr(self, name) is not None}
-        if self.moving is not None:
-            chosen |= {field: 0.0 for part, field in SPEEDS.items() if part not in self.moving}
-        return self.motions.model_copy(update=chosen)
+        """The motions with the choices of this collection: their law, the largest speeds, 0 of what stands still."""
+        chosen = {name: value for name in (*SPEEDS.values(), "speed_law") if (value := getattr(self, name)) is not None}
+        moves = METHODS[self.method].moves
+        still = {SPEEDS[part]: 0.0 for part in PARTS if part not in moves or part not in (self.moving or moves)}
+        return self.motions.model_copy(update=chosen | still)
 
 
-def _able_to_move(chosen: dict[str, Any]) -> tuple[str, ...]:
-    """What MOVE moves in a collection of which the first fields are chosen, if one may choose it there."""
-    methods = [name for name, _ in chosen.get("shares", ())] or [chosen["method"]]
-    if "move" not in methods:
-        raise ValueError(f"nothing moves under method {chosen['method']!r}; allowed for 'move' only")
+def _without_effect(*methods: str) -> dict[str, Any]:
+    """The fields of a collection that none of some methods reads, though others do, with their defaults."""
+    read = {name for method in methods for name in METHODS[method].settings}
+    fields = dict.fromkeys(name for method in METHODS.values() for name in method.settings if name not in read)
+    return {name: Collection.model_fields[name].default for name in fields}
+
+
+def _able_to_move(chosen: dict[str, Any]) -> tuple[Part, ...]:
+    """What moves at speeds that may be chosen, in a collection of which the first fields are."""
+    methods = [name for name, _ in chosen["shares"]] or [chosen["method"]]
+    moves = {part for name in methods for part in METHODS[name].moves}
+    if not moves:
+        allowed = [method.name for method in METHODS.values() if method.moves]
+        raise ValueError(f"nothing moves at a speed under {' and '.join(methods)}; allowed with {', '.join(allowed)}")
     if chosen["motions"] != Motions():
         raise ValueError("motions are given too; allowed is one of the two")
-    return movable(get_task(chosen["task"]), chosen["factors"])
+    return tuple(part for part in movable(get_task(chosen["task"]), chosen["factors"]) if part in moves)

@@ -6,13 +6,13 @@ visited, for the object's place, the target's place and the camera's angle.
 
 from __future__ import annotations
 
-from typing import Any, SupportsFloat
+from typing import Any
 
 import gymnasium
 import numpy as np
 import pandas as pd
 
-from move.sim.collect import Collection, attempts, collecting_env
+from move.sim.collect import Collection, attempts
 from move.sim.tasks import Task
 
 SIDE = 10  # cells along each axis of a place
@@ -20,50 +20,20 @@ ANGLES = 20  # cells of the camera's range
 PARTS = ("object", "target", "camera")
 
 
-class Recorder(gymnasium.Wrapper):
-    """Notes in `seen` the scene's configuration at each timestep of the episode that is observed."""
-
-    def reset(self, **keywords: Any) -> tuple[np.ndarray, dict]:
-        """Start an episode."""
-        outcome = self.env.reset(**keywords)
-        self.seen: list[dict[str, Any]] = []
-        self._note()
-        return outcome
-
-    def step(self, action: np.ndarray) -> tuple[np.ndarray, SupportsFloat, bool, bool, dict]:
-        """Step and note where everything is."""
-        outcome = self.env.step(action)
-        self._note()
-        return outcome
-
-    def _note(self) -> None:
-        scene: Any = self.unwrapped
-        now = scene.configuration
-        self.seen.append({
-            "phase": scene.phase,
-            **dict(zip(("object_x", "object_y", "object_z"), now.object_position, strict=True)),
-            **dict(zip(("target_x", "target_y", "target_z"), now.target_position, strict=True)),
-            "camera_angle": now.camera_angle,
-            "object_yaw": now.object_yaw,
-        })
-
-
 def configurations(collection: Collection, seed: int, env: gymnasium.Env | None = None) -> pd.DataFrame:
     """Where object, target (metres) and camera (radians) were at each timestep of a collection, one row each.
 
-    Columns besides: episode, timestep, method. Failed attempts are left out, as in the data set itself.
+    Columns besides: episode, timestep, phase, method. Failed attempts are left out, as in the data set itself.
     `env` is as `collect` takes it.
     """
-    frames: list[pd.DataFrame] = []
-    recorder, total = Recorder(env or collecting_env(collection)), 0
-    for episode in attempts(collection, seed, recorder):
-        if episode.succeeded:
-            frame = pd.DataFrame(recorder.seen[: len(episode.actions)])
-            frames.append(frame.assign(episode=len(frames), timestep=range(len(frame))))
-            total += len(frame)
-        if total >= collection.timesteps:
+    rows: list[dict[str, Any]] = []
+    kept = (episode for episode in attempts(collection, seed, env) if episode.succeeded)
+    for number, episode in enumerate(kept):
+        rows += [{"episode": number, "timestep": timestep, "phase": phase, **where.columns()}
+                 for timestep, (phase, where) in enumerate(episode.seen)]
+        if len(rows) >= collection.timesteps:
             break
-    return pd.concat(frames, ignore_index=True).head(collection.timesteps).assign(method=collection.method)
+    return pd.DataFrame(rows[: collection.timesteps]).assign(method=collection.method)
 
 
 def visited_share(seen: pd.DataFrame, task: Task, part: str) -> float:

@@ -50,3 +50,12 @@ def segment_distance(point: tuple[float, float], start: tuple[float, float], dir
     x, y = point[0] - start[0], point[1] - start[1]
     along = min(length, max(0.0, x * direction[0] + y * direction[1]))
     return math.hypot(x - along * direction[0], y - along * direction[1]), along
+
+
+def past(position: float, limit: float) -> float:
+    """How far a joint that opens from 0 towards `limit`, of either sign, is past it (metres or radians).
+
+    >>> past(-0.15, -0.1) > 0 > past(0.05, 0.1)
+    True
+    """
+    return math.copysign(1.0, limit) * position - abs(limit)

@@ -7,12 +7,12 @@ from collections.abc import Sequence
 import gymnasium
 from gymnasium.envs.registration import EnvSpec
 
-from move.paper import PAPER_METHODS
+from move.errors import one_of
 from move.sim.collect import surrounded
 from move.sim.collection import Collection
+from move.sim.methods import single_methods
 from move.sim.motion.wrappers import Part
 from move.sim.observe import IMAGE_SIZE
-from move.sim.scene import checks
 from move.sim.scene.scene import Scene
 from move.validation import build
 
@@ -24,7 +24,8 @@ class MovingScene(gymnasium.Wrapper):
 
     Args:
         task: a name in `move.sim.tasks.TASKS`.
-        method: "move" (equations 1 to 3), "adc" (object and target jump) or "static" (nothing moves).
+        method: one of `move.sim.methods.single_methods()`, such as "move" (equations 1 to 3), "adc" (object and target
+            jump) or "static" (nothing moves).
         factors: what a reset draws, and of it what moves: a key of `move.sim.tasks.FACTORS`.
         observation: "keypoints" or "rgb".
         image_size: pixels along each side of an image.
@@ -45,7 +46,7 @@ class MovingScene(gymnasium.Wrapper):
                  object_speed: float | None = None, target_speed: float | None = None,
                  camera_speed: float | None = None, yaw_speed: float | None = None,
                  speed_law: str | None = None) -> None:
-        checks.one_of("method", method, PAPER_METHODS)
+        one_of("method", method, single_methods())
         scene = Scene(task, observation, image_size, render_mode, factors)
         chosen = build(Collection, task=task, method=method, factors=factors, timesteps=1,  # of any length
                        moving=moving, object_speed=object_speed, target_speed=target_speed,

@@ -16,13 +16,10 @@ from move.errors import BadInput
 from move.learn.evaluate import Evaluation
 from move.learn.settings import Training
 from move.sim.collect import Collection
-from move.sim.motion.adc import MENDED
+from move.sim.methods import get_method
 from move.study.profiles import Profile
 from move.study.spec import CollectionRun, ControlRun, PolicyRun
 from move.validation import build
-
-CHOSEN: dict[str, dict[str, Any]] = {"adc": {"jumping": MENDED}}
-"""By method: how it collects wherever it is compared. ADC has all its jumps: table_adc compares the readings."""
 
 
 def policy_run(
@@ -85,7 +82,7 @@ def _chosen(profile: Profile, method: str, settings: dict[str, Any]) -> dict[str
     methods = shares if isinstance(shares, Mapping) else ()
     found: dict[str, Any] = {}
     for name in (*methods, method):
-        found |= {**CHOSEN.get(name, {}), **chosen.get(name, {})}
+        found |= {**get_method(name).usual, **chosen.get(name, {})}
     return found
 
 

@@ -10,12 +10,12 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
 from move import yaml_text
-from move.choices import Method
 from move.errors import BadInput
 from move.learn.settings import Training
 from move.machine import gl_problem
 from move.paths import IN_CHECKOUT, NOTEBOOKS, PROFILES
 from move.sim.collection import Collection
+from move.sim.methods import METHODS
 from move.sim.observe import IMAGE_SIZE, ObservationKind
 from move.validation import first_problem
 
@@ -46,7 +46,7 @@ class Profile(BaseModel):
         description="the profile in whose folder its results are kept; left out: in its own"
     )
     image_size: int = Field(default=IMAGE_SIZE, ge=16, le=512, description="pixels along a side")
-    collection: dict[Method, dict[str, Any]] = Field(
+    collection: dict[str, dict[str, Any]] = Field(
         default_factory=dict, description="by method: fields of Collection that its runs have where an experiment "
         "chooses none"
     )
@@ -86,6 +86,8 @@ class Profile(BaseModel):
     @field_validator("collection")
     @classmethod
     def _of_what_no_experiment_chooses(cls, collection: dict[str, dict[str, Any]]) -> dict[str, dict[str, Any]]:
+        if unknown := [method for method in collection if method not in METHODS]:
+            raise ValueError(f"method {unknown[0]!r} given; allowed are {', '.join(METHODS)}")
         allowed = [name for name in Collection.model_fields if name not in CHOSEN_ELSEWHERE]
         if wrong := [name for chosen in collection.values() for name in chosen if name not in allowed]:
             raise ValueError(f"{wrong[0]!r} given; allowed are {', '.join(allowed)}")

@@ -118,7 +118,7 @@ def _own(spec: PolicyRun, record: CollectionRecord) -> list[SpatialConfiguration
     """As many of a policy's own configurations as are tried: the first ones; of a mixture some of each part."""
     own = {"own": record.starts, "grasp": record.grasps}.get(spec.evaluation.starts, [])
     count = spec.evaluation.episodes
-    if spec.method != "mixture" or len(own) <= count:
+    if not spec.collection.shares or len(own) <= count:
         return own[:count]
     return [own[index] for index in np.linspace(0, len(own) - 1, count).round().astype(int)]
 

@@ -143,7 +143,7 @@ class CollectionRun(_Collected):
 
     @model_validator(mode="after")
     def _one_method_and_no_policy(self) -> Self:
-        if self.collection.method == "mixture":
+        if self.collection.shares:
             raise ValueError("attempts of a mixture; allowed are those of each of its methods")
         return self._no_policy()
 

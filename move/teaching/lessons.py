@@ -25,7 +25,6 @@ from move.learn.settings import Training
 from move.learn.train import TrainingReport, train
 from move.machine import gl_problem
 from move.sim.collect import Collection, collect
-from move.sim.collection import Method
 from move.sim.demonstrations import Demonstrations
 from move.sim.observe import keypoint_slices
 from move.sim.tasks import get_task
@@ -60,7 +59,7 @@ def windows_table(demonstrations: Demonstrations, training: Training, first: int
                         index=pd.Index(rows, name="timestep"))
 
 
-def draw_pictures(task: str, methods: tuple[Method, ...], size: int, seed: int, timesteps: tuple[int, ...]) -> Markdown:
+def draw_pictures(task: str, methods: tuple[str, ...], size: int, seed: int, timesteps: tuple[int, ...]) -> Markdown:
     """Images of the first demonstration by each method at some timesteps, as a policy from pixels sees them."""
     if problem := gl_problem():
         return Markdown(f"No images: {problem}.")

@@ -11,6 +11,7 @@ from pydantic import AfterValidator, BaseModel, Field, ValidationError, create_m
 
 from move.errors import BadInput
 from move.figures import load, names
+from move.sim.methods import get_method
 from move.sim.tasks import get_task
 from move.study.labels import LabelledRun
 from move.study.profiles import Profile, load_profile
@@ -28,6 +29,7 @@ Pixels = Annotated[int, Field(ge=16, le=512, strict=True)]
 Frames = Annotated[int, Field(ge=2, le=100, strict=True)]
 Observation = Literal["rgb", "keypoints"]
 TaskName = Annotated[str, AfterValidator(lambda name: get_task(name).name)]
+MethodName = Annotated[str, AfterValidator(lambda name: get_method(name).name)]
 ProfileName = Annotated[str, AfterValidator(lambda name: load_profile(name).name)]
 
 PARTS = ("runs", "seen", "tables", "draw", "answer", "source", "printed")

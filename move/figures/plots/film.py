@@ -12,7 +12,7 @@ from PIL import Image, ImageDraw, ImageFont
 from move.learn.agents import Agent
 from move.learn.evaluate import evaluate
 from move.sim.collect import attempts
-from move.sim.collection import Collection, Method
+from move.sim.collection import Collection
 from move.sim.motion.wrappers import Motions
 from move.sim.tasks import get_task
 from move.study.spec import PolicyRun
@@ -73,7 +73,7 @@ def one_of_each(
     return [shown[outcome] for outcome in (True, False) if outcome in shown]
 
 
-def demonstration(task: str, method: Method, image_size: int = 192, motions: Motions | None = None) -> Collection:
+def demonstration(task: str, method: str, image_size: int = 192, motions: Motions | None = None) -> Collection:
     """The collection that a film of one demonstration shows."""
     return Collection(task=task, method=method, timesteps=1, observation="rgb", image_size=image_size,
                       motions=motions or Motions())

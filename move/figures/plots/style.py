@@ -20,25 +20,18 @@ from PIL import Image
 
 from move.figures.page.captions import Caption
 from move.files import written_aside
+from move.sim.methods import METHODS
 
-COLOURS = {  # safe for colour-blind readers (Okabe and Ito); a method has the same everywhere
-    "static": "#0072B2",
-    "adc": "#E69F00",
-    "move": "#D55E00",
-    "mixture": "#009E73",
+COLOURS = {name: method.colour for name, method in METHODS.items()} | {  # safe for colour-blind readers (Okabe and Ito)
     "nothing": "#999999",
     "random": "#999999",
     "expert": "#000000",
     "goal-blind": "#999999",
     "unknown": "#777777",  # data that do not say how they were collected
 }
-DIFFERENCES = {"static": ("#000000", "o"), "adc": ("#777777", "s")}
+DIFFERENCES = {name: ("#000000" if name == "static" else "#777777", method.marker) for name, method in METHODS.items()}
 """Colour and marker of MOVE minus another method: never a method's colour, for a difference is none of them."""
-NAMES = {
-    "static": "static",
-    "adc": "ADC",
-    "move": "MOVE",
-    "mixture": "mixture",
+NAMES = {name: method.title for name, method in METHODS.items()} | {
     "nothing": "do nothing",
     "random": "random actions",
     "expert": "expert",

@@ -13,10 +13,10 @@ from typing import Protocol
 
 import numpy as np
 
-from move.errors import BadInput
+from move.errors import one_of
 from move.sim.configuration import Vector, vector
 from move.sim.experts.metaworld import MetaworldExpert
-from move.sim.geometry import shifted, turned, wrapped
+from move.sim.geometry import past, shifted, turned, wrapped
 from move.sim.scene.scene import YAW_STEP, Scene
 from move.sim.tasks.task import GraspParameters, PushParameters, Task
 from move.sim.tasks.transport import TransportState
@@ -143,7 +143,7 @@ class PushExpert:
         start = shifted(handle, self.parameters.offset, yaw)
         aside, above = math.dist(hand[:2], start[:2]), hand[2] - start[2]
         self._change_phase(aside, above)
-        done = scene.joint(self.parameters.joint) >= self.parameters.enough
+        done = past(scene.joint(self.parameters.joint), self.parameters.enough) >= 0
         goal = hand if done else self._goal(start, yaw, hand, aside)
         gain = GAIN if self.phase == "approach" else PUSH_GAIN
         return np.array([*towards(goal, hand, gain), 1.0], np.float32)
@@ -187,6 +187,5 @@ def make_expert(name: str, task: Task) -> Expert:
     Raises:
         BadInput: an unknown name.
     """
-    if name not in EXPERTS:
-        raise BadInput(f"expert: {name!r} given; allowed are {', '.join(EXPERTS)}")
+    one_of("expert", name, EXPERTS)
     return EXPERTS[name](task)

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Any, Literal, SupportsFloat, cast
+from typing import TYPE_CHECKING, Any, Literal, SupportsFloat, cast, get_args
 
 import gymnasium
 import numpy as np
@@ -23,10 +23,16 @@ from pydantic import BaseModel, ConfigDict, Field
 from move.choices import SpeedLaw
 from move.sim.configuration import Box, Disc, SpatialConfiguration, vector
 from move.sim.motion import equations
-from move.sim.scene.scene import Scene
 from move.sim.tasks.task import FACTORS, Task
 
+if TYPE_CHECKING:
+    from move.sim.scene.scene import Scene
+
 Part = Literal["object", "rotation", "target", "camera"]
+PARTS: tuple[Part, ...] = get_args(Part)
+SPEEDS: dict[Part, str] = {"object": "object_speed", "rotation": "yaw_speed", "target": "target_speed",
+                           "camera": "camera_speed"}
+"""The field of Motions that holds each part's largest speed."""
 
 
 class Motions(BaseModel):
@@ -49,10 +55,11 @@ class Motion(gymnasium.Wrapper):
     """
 
     keeps_clear = True
+    velocity: Any  # a step: metres along each axis, or radians
 
     def __init__(self, env: gymnasium.Env, maximum_speed: float, law: SpeedLaw = "beta") -> None:
         super().__init__(env)
-        self.inner, self.scene = cast("Scene | Motion", env), cast(Scene, env.unwrapped)
+        self.inner, self.scene = cast("Scene | Motion", env), cast("Scene", env.unwrapped)
         self.maximum_speed, self.law = maximum_speed, law
 
     def reset(self, **keywords: Any) -> tuple[np.ndarray, dict]:
@@ -93,8 +100,8 @@ class Motion(gymnasium.Wrapper):
         raise NotImplementedError
 
     def sample(self, rng: np.random.Generator) -> None:
-        """Sample speed and direction."""
-        raise NotImplementedError
+        """Sample a speed, by default w, u ~ Beta(2, 5) and a direction in {-1, 1}."""
+        self.velocity = self.sample_speed(rng) * equations.sample_sign(rng)
 
     def sample_speed(self, rng: np.random.Generator) -> float:
         """A speed by this motion's law, at most `maximum_speed`."""
@@ -163,10 +170,6 @@ class ObjectTranslation(PickMotion):
 class ObjectRotation(PickMotion):
     """The object turns about the vertical within the task's yaw range (equation 2); `maximum_speed` in rad/step."""
 
-    def sample(self, rng: np.random.Generator) -> None:
-        """Sample w ~ Beta(2, 5) and a direction in {-1, 1}."""
-        self.velocity = self.sample_speed(rng) * equations.sample_sign(rng)
-
     def placed(self, time: float) -> SpatialConfiguration:
         """The configuration with the yaw after `time` steps."""
         yaw = equations.turn(self.start.object_yaw, self.velocity, time, *self.scene.task.yaw_range)
@@ -214,10 +217,6 @@ class CameraMotion(Motion):
     def moving(self) -> bool:
         """Always."""
         return True
-
-    def sample(self, rng: np.random.Generator) -> None:
-        """Sample u ~ Beta(2, 5) and a direction in {-1, 1}."""
-        self.velocity = self.sample_speed(rng) * equations.sample_sign(rng)
 
     def placed(self, time: float) -> SpatialConfiguration:
         """The configuration with the camera's angle after `time` steps."""

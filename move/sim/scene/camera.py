@@ -1,4 +1,4 @@
-"""The camera on its cylinder: where it is, how it looks at the scene, where a point lands in its image.
+"""The camera on its cylinder: where it is, how it looks at the scene, where a point is in its frame.
 
 The cylinder is the authors': around the point (0, 0.6, 0.2) m, of radius sqrt(0.6^2 + 0.295^2) = 0.669 m, with the
 camera 0.6 m above that point. Only the angle around the vertical axis varies (equation 3).
@@ -38,10 +38,3 @@ def to_camera_frame(points: np.ndarray, angle: float) -> np.ndarray:
     [[-0.0, -0.0, 0.898]]
     """
     return (points - position(angle)) @ axes(angle).T
-
-
-def project(points: np.ndarray, angle: float, size: int) -> np.ndarray:
-    """World points (n, 3) in metres to pixels (n, 2), column and row, of a square image of `size` pixels."""
-    right, up, forward = to_camera_frame(points, angle).T
-    scale = size / 2 / math.tan(FIELD_OF_VIEW / 2)
-    return np.stack([size / 2 + scale * right / forward, size / 2 - scale * up / forward], axis=1)

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
 from typing import Any
 
 import numpy as np
 
-from move.errors import BadInput
+from move.errors import BadInput, one_of
 from move.sim.configuration import SpatialConfiguration
 from move.sim.tasks import FACTORS
 
@@ -16,36 +15,15 @@ LARGEST_PICTURE = 4096  # pixels along a side
 OPTIONS = ("configuration", "factors")  # of a reset
 
 
-def one_of(what: str, given: Any, allowed: Collection[Any]) -> None:
-    """Refuse anything but the allowed.
-
-    Raises:
-        BadInput: something else.
-    """
-    if given not in tuple(allowed):
-        raise BadInput(f"{what}: {given!r} given; allowed are {', '.join(map(str, allowed))}")
-
-
 def picture_side(pixels: int) -> int:
-    """A number of pixels along the side of an image.
-
-    Raises:
-        BadInput: no whole number, or one that is no size.
-
-    >>> picture_side(96)
-    96
-    """
+    """A number of pixels along the side of an image; BadInput for what is no size."""
     if isinstance(pixels, int | np.integer) and not isinstance(pixels, bool) and 1 <= pixels <= LARGEST_PICTURE:
         return int(pixels)
     raise BadInput(f"image_size: {pixels!r} given; allowed are whole numbers from 1 to {LARGEST_PICTURE}")
 
 
 def reset_options(options: dict[str, Any] | None) -> dict[str, Any]:
-    """The options of a reset: a configuration, or which factors are random, or nothing.
-
-    Raises:
-        BadInput: another option, or a value that is none of these.
-    """
+    """The options of a reset: a configuration, or which factors are random, or nothing; BadInput for anything else."""
     options = options or {}
     for name in options:
         one_of("options", name, OPTIONS)
@@ -57,11 +35,7 @@ def reset_options(options: dict[str, Any] | None) -> dict[str, Any]:
 
 
 def action_numbers(action: np.ndarray, size: int) -> list[float]:
-    """The numbers of an action, as given.
-
-    Raises:
-        BadInput: other than `size` finite numbers in a row.
-    """
+    """The numbers of an action, as given; BadInput for other than `size` finite numbers in a row."""
     try:
         numbers = np.asarray(action, float).tolist()
         if len(numbers) == size and math.isfinite(sum(numbers)):

@@ -1,8 +1,7 @@
 """The scene: a Meta-World task whose spatial configuration is set on reset and can be moved while it runs.
 
-Meta-World supplies the model,
-its starting pose and the limits of the hand; stepping, success and observation happen here, without Meta-World's
-rewards and samplers.
+Meta-World supplies the model, its starting pose and the limits of the hand; stepping, success and observation happen
+here, without Meta-World's rewards and samplers.
 """
 
 from __future__ import annotations
@@ -19,7 +18,7 @@ import numpy as np
 from gymnasium.spaces import Box as BoxSpace
 
 from move.choices import Drawing
-from move.errors import BadInput
+from move.errors import BadInput, one_of
 from move.machine import gl_problem
 from move.sim.configuration import SpatialConfiguration, Vector, vector
 from move.sim.geometry import limited
@@ -70,10 +69,10 @@ class Scene(Readable, gymnasium.Env):
 
     def __init__(self, task: str | Task = DEFAULT_TASK, observation: str = "keypoints", image_size: int = IMAGE_SIZE,
                  render_mode: str | None = None, factors: str = "all", drawing: Drawing = "plain") -> None:
-        checks.one_of("observation", observation, OBSERVATIONS)
-        checks.one_of("render_mode", render_mode, (None, *RENDER_MODES))
-        checks.one_of("factors", factors, FACTORS)
-        checks.one_of("drawing", drawing, get_args(Drawing))
+        one_of("observation", observation, OBSERVATIONS)
+        one_of("render_mode", render_mode, (None, *RENDER_MODES))
+        one_of("factors", factors, FACTORS)
+        one_of("drawing", drawing, get_args(Drawing))
         task, self._target = task if isinstance(task, Task) else get_task(task), np.zeros(3)
         super().__init__(task, shared_world(task), self._target)
         self.observation, self.image_size, self.render_mode = observation, checks.picture_side(image_size), render_mode
@@ -103,7 +102,9 @@ class Scene(Readable, gymnasium.Env):
             BadInput: unknown options or factors, or a configuration that is none.
         """
         super().reset(seed=seed)
-        configuration = self._asked_for(**checks.reset_options(options))
+        chosen = checks.reset_options(options)
+        configuration = chosen.get("configuration") or self.task.sample(
+            self.np_random, chosen.get("factors") or self.factors)
         mujoco.mj_resetData(self._model, self._data)
         self._data.qpos[:] = self._world.start
         self.steps, self.phase, self.touched, self.held, self.success = 0, "pick", False, False, False
@@ -116,10 +117,6 @@ class Scene(Readable, gymnasium.Env):
         self.move_object(configuration.object_position, configuration.object_yaw)
         mujoco.mj_forward(self._model, self._data)
         return self.observe(), self._info()
-
-    def _asked_for(self, configuration: SpatialConfiguration | None = None, factors: str | None = None
-                   ) -> SpatialConfiguration:
-        return configuration or self.task.sample(self.np_random, factors or self.factors)
 
     def _drive_hand(self, position: Vector) -> None:
         self._mocap = list(position)

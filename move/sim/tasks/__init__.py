@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from move.errors import BadInput
+from move.errors import one_of
 from move.sim.tasks.opening import DISASSEMBLE, FAUCET_OPEN, WINDOW_OPEN
 from move.sim.tasks.placing import ASSEMBLY, BASKETBALL, BOX_CLOSE, HAMMER, PICK_PLACE, PICK_PLACE_WALL, PUSH
 from move.sim.tasks.task import FACTORS, Task
@@ -28,6 +28,5 @@ def get_task(name: str) -> Task:
     >>> get_task("pick-place").title
     'Pick-Place'
     """
-    if name not in TASKS:
-        raise BadInput(f"task: {name!r} given; allowed are {', '.join(TASKS)}")
+    one_of("task", name, TASKS)
     return TASKS[name]

@@ -10,7 +10,7 @@ import math
 
 from move.sim.configuration import Box
 from move.sim.tasks import feasibility
-from move.sim.tasks.ranges import NO_TARGET, SIDE, WIDE_HAND, WRENCH, fixed
+from move.sim.tasks.ranges import SIDE, WRENCH, fixed
 from move.sim.tasks.success import higher, joint_beyond, near
 from move.sim.tasks.task import GraspParameters, MovableBody, PushParameters, ScriptedPolicy, Task
 from move.sim.tasks.transport import upwards
@@ -20,14 +20,12 @@ WINDOW_OPEN = Task(
     title="Window-Open",
     metaworld="window-open-v3",
     object_range=Box((-0.1, 0.6, 0.16), (0.1, 0.9, 0.16)),
-    target_range=NO_TARGET,
     hand_range=Box((-0.3, 0.45, 0.2), (0.3, 0.55, 0.4)),
     camera_range=SIDE,
     object_bodies=(
         MovableBody("body", "window", joint="window_slide"),
         MovableBody("site", "goal", offset=(0.2, 0.0, 0.0)),
     ),
-    target_bodies=(),
     object_point="site:handleOpenStart",
     keypoints=("site:handleOpenStart", "body:window", "body:window+0.2,0,0"),
     success=joint_beyond("window_slide", 0.19),  # 5 cm short of 0.24 m
@@ -48,15 +46,12 @@ FAUCET_OPEN = Task(
     title="Faucet-Open",
     metaworld="faucet-open-v3",
     object_range=Box((-0.2, 0.6, 0.0), (0.2, 0.85, 0.0)),
-    target_range=NO_TARGET,
-    hand_range=WIDE_HAND,
     camera_range=(-math.pi / 2, math.pi / 2),
     object_bodies=(
         MovableBody("body", "faucetBase", joint="knob_Joint_1"),
         MovableBody("site", "goal_open", offset=(0.175, 0.0, 0.125)),
         MovableBody("site", "goal_close", offset=(-0.175, 0.0, 0.125)),
     ),
-    target_bodies=(),
     object_point="site:handleStartOpen",
     keypoints=("site:handleStartOpen", "body:faucet_link2", "body:faucetBase+0.175,0,0.125"),
     success=near("site:handleStartOpen", "body:faucetBase+0.215,0,0.105", 0.07),
@@ -78,14 +73,11 @@ DISASSEMBLE = Task(
     title="Disassembly",
     metaworld="disassemble-v3",
     object_range=Box((-0.35, 0.5, 0.019), (0.1, 0.7, 0.019)),
-    target_range=NO_TARGET,
-    hand_range=WIDE_HAND,
     camera_range=SIDE,
     object_bodies=(
         MovableBody("free", "RoundNut", yaw=math.pi / 2),
         MovableBody("body", "peg", offset=(0.0, 0.0, 0.036)),  # the peg rides with the nut
     ),
-    target_bodies=(),
     object_point="site:RoundNut-8",
     keypoints=WRENCH,
     success=higher("site:RoundNut-8", 0.175),

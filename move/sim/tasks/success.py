@@ -17,7 +17,7 @@ from typing import Protocol
 
 import numpy as np
 
-from move.sim.geometry import wrapped
+from move.sim.geometry import past, wrapped
 
 
 class Reading(Protocol):
@@ -78,10 +78,10 @@ def around(ring: str, top: str, distance: float) -> Success:
 
 
 def joint_beyond(joint: str, position: float) -> Success:
-    """Success condition: `joint` is beyond `position` (metres or radians)."""
+    """Success condition: `joint` is beyond `position` (metres or radians), on the side of its sign."""
 
     def condition(scene: Reading) -> bool:
-        return scene.joint(joint) > position
+        return past(scene.joint(joint), position) > 0
 
     return condition
 

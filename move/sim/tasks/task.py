@@ -13,9 +13,10 @@ from typing import Any
 import numpy as np
 
 from move.choices import Place
-from move.errors import BadInput
+from move.errors import BadInput, one_of
 from move.sim.configuration import Box, SpatialConfiguration, Vector
 from move.sim.tasks.feasibility import Reachable, anywhere
+from move.sim.tasks.ranges import HALF_CIRCLE, NO_TARGET, WIDE_HAND
 from move.sim.tasks.success import Success
 from move.sim.tasks.transport import Transport
 
@@ -72,7 +73,7 @@ class PushParameters:
     stroke: Vector  # where the hand pushes from there, metres
     above: float  # hand above the start while approaching, metres
     joint: str  # that opens
-    enough: float  # position of the joint at which the hand stops, metres or radians
+    enough: float  # position of the joint at which the hand stops, metres or radians; below 0 where it opens that way
     lost: float = 0.06  # metres in the plane from the start at which a stroke has missed the handle
 
 
@@ -97,17 +98,17 @@ class Task:
     title: str  # as in Table 2
     metaworld: str  # Meta-World's name
     object_range: Box
-    target_range: Box
-    hand_range: Box
-    camera_range: tuple[float, float]
     object_bodies: tuple[MovableBody, ...]  # the first is the object's own body
-    target_bodies: tuple[MovableBody, ...]
     object_point: str  # the point that experts, motions and keypoints mean by "the object"
     keypoints: tuple[str, ...]  # after fingers and hand; names as in Scene.point
     success: Success
     fixed: SpatialConfiguration  # what is not randomised stays here
     manipulation: GraspParameters | PushParameters
     scripted_policy: ScriptedPolicy = ScriptedPolicy()
+    target_range: Box = NO_TARGET
+    target_bodies: tuple[MovableBody, ...] = ()  # none: the task has no target apart from its object
+    hand_range: Box = WIDE_HAND
+    camera_range: tuple[float, float] = HALF_CIRCLE
     yaw_range: tuple[float, float] = (0.0, 0.0)
     yaw_speed_scale: float = 1.0  # of the motions' largest yaw speed
     turns_gripper: bool = False  # whether the action has a fifth part, the gripper's yaw
@@ -178,8 +179,7 @@ class Task:
         Raises:
             BadInput: unknown factors, or no allowed configuration among a thousand candidates.
         """
-        if factors not in FACTORS:
-            raise BadInput(f"factors: {factors!r} given; allowed are {', '.join(FACTORS)}")
+        one_of("factors", factors, FACTORS)
         for _ in range(MAX_CANDIDATES):
             candidate = self._candidate(rng, factors)
             if self.allows(candidate, self.separation):

@@ -25,12 +25,13 @@ import numpy as np
 
 from move.sim.configuration import Vector, vector
 from move.sim.geometry import limited, shifted, wrapped
+from move.sim.tasks.success import Reading
 
 UNWIND_STEP = math.radians(3.0)  # radians the gripper turns a step while it brings a ring to its peg
 SQUARE_STEP = math.radians(4.0)  # radians the gripper turns a step to bring a hammer square
 
 
-class Grasped(Protocol):
+class Grasped(Reading, Protocol):
     """What a transport may read of a scene."""
 
     gripper_yaw: float  # where the gripper's yaw should be, radians
@@ -42,13 +43,6 @@ class Grasped(Protocol):
     @property
     def hand_yaw(self) -> float:
         """Yaw of the hand as it is, radians."""
-
-    @property
-    def object_yaw(self) -> float:
-        """Yaw of the object as it is held, radians."""
-
-    def point(self, name: str) -> np.ndarray:
-        """Position of a named point, shape (3,), metres."""
 
 
 @dataclass(frozen=True)
