@@ -28,7 +28,7 @@ from matplotlib.figure import Figure
 
 from move import paths
 from move.experiments import EXPERIMENTS, runs
-from move.learn.evaluate import starts
+from move.learn.evaluation import starts
 from move.paper import PAPER_TASKS
 from move.report import style
 from move.sim import coverage

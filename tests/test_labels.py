@@ -7,7 +7,7 @@ import pytest
 
 from move import experiments, paper, paths
 from move.errors import BadInput
-from move.learn.evaluate import Evaluation
+from move.learn.evaluation import Evaluation
 from move.study import profiles, results
 from move.study import run as running
 from move.study.kinds import collector_run, control_run, policy_run

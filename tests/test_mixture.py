@@ -7,7 +7,7 @@ import pytest
 import recipes
 
 from move.errors import BadInput
-from move.learn.evaluate import Evaluation
+from move.learn.evaluation import Evaluation
 from move.report import style
 from move.sim.collect import attempts, collect
 from move.sim.collection import METHODS, Collection

@@ -11,7 +11,7 @@ from test_cli import move
 from move import experiments, paths
 from move.errors import BadInput
 from move.learn.agents import PolicyAgent, Recorded
-from move.learn.evaluate import Evaluation, starts
+from move.learn.evaluation import Evaluation, starts
 from move.machine import gl_problem
 from move.report import film
 from move.sim.tasks import get_task

@@ -14,14 +14,16 @@ from pydantic import ValidationError
 from move import experiments, paper, paths
 from move.errors import BadInput
 from move.learn.agents import Expert, Nothing, PolicyAgent, Random
-from move.learn.evaluate import Evaluation, evaluate, starts
+from move.learn.evaluate import evaluate
+from move.learn.evaluation import Evaluation, starts
 from move.learn.train import train
 from move.report import notebooks, page
 from move.sim.collect import Collection, collect
 from move.sim.configuration import SpatialConfiguration
 from move.sim.motion.adc import MENDED, Jumping
-from move.sim.scene.scene import EPISODE_STEPS, Scene
+from move.sim.scene.scene import Scene
 from move.sim.tasks import get_task
+from move.sim.tasks.task import EPISODE_STEPS
 from move.study import execute, policies, profiles, results, run
 from move.study.plan import TRIAL_MINUTES, plan_rows
 from move.study.profiles import load_profile

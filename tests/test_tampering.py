@@ -9,7 +9,7 @@ import recipes
 
 from move import paths
 from move.errors import BadInput
-from move.learn.evaluate import Evaluation
+from move.learn.evaluation import Evaluation
 from move.report import page
 from move.sim.collect import Collection
 from move.study import execute, plan, results, run, verify

@@ -9,7 +9,7 @@ import recipes
 import typer.testing
 
 from move import cli, paths
-from move.learn.evaluate import Evaluation
+from move.learn.evaluation import Evaluation
 from move.sim.collect import Collection
 from move.study import results, run, verify
 from move.study.profiles import load_profile

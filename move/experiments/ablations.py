@@ -7,7 +7,7 @@ from typing import Any
 
 from move.experiments.budgets import budgets
 from move.experiments.registry import Count, Multiple, Repeats, experiment
-from move.learn.evaluate import Evaluation
+from move.learn.evaluation import Evaluation
 from move.paper import PAPER_TASKS
 from move.sim.motion.adc import JUMPS
 from move.study.kinds import policy_run

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from functools import partial
+from typing import get_args
 
+from move.choices import ExpertName
 from move.experiments.floors import floors_and_ceilings
 from move.experiments.registry import Count, Repeats, experiment
 from move.paper import PAPER_METHODS, PAPER_TASKS
-from move.sim.experts.phase import EXPERTS
 from move.sim.observe import IMAGE_SIZE
 from move.study.kinds import collector_run, policy_run
 from move.study.labels import LabelledRun, grid
@@ -31,7 +32,7 @@ def keypoint_control(
 def table6_collection(profile: Profile, attempts: Count = 100) -> list[LabelledRun]:
     """What a demonstration costs: attempts by each expert, static, ADC and MOVE, on every task (table 6)."""
     base = partial(collector_run, profile, attempts=attempts)
-    return grid(base, expert=list(EXPERTS), task=PAPER_TASKS, method=PAPER_METHODS)
+    return grid(base, expert=get_args(ExpertName), task=PAPER_TASKS, method=PAPER_METHODS)
 
 
 @experiment

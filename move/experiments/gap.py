@@ -7,7 +7,7 @@ from typing import Any
 
 from move.experiments.preliminary import ANYWHERE, COMPARED, TRACED_BACK
 from move.experiments.registry import Count, Multiple, Repeats, Seeds, experiment
-from move.learn.evaluate import Evaluation
+from move.learn.evaluation import Evaluation
 from move.study.kinds import policy_run
 from move.study.labels import LabelledRun
 from move.study.profiles import Profile

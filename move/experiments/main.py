@@ -7,9 +7,9 @@ from functools import partial
 from move.experiments.budgets import budgets
 from move.experiments.floors import floors_and_ceilings
 from move.experiments.registry import Count, Observation, Seeds, experiment
-from move.learn.evaluate import Evaluation
+from move.learn.evaluation import Evaluation
 from move.paper import PAPER_METHODS, PAPER_TASKS
-from move.sim.scene.scene import EPISODE_STEPS
+from move.sim.tasks.task import EPISODE_STEPS
 from move.study.kinds import policy_run
 from move.study.labels import LabelledRun, grid
 from move.study.profiles import Profile

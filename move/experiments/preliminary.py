@@ -6,7 +6,7 @@ from functools import partial
 from typing import Any
 
 from move.experiments.registry import Count, Counts, Multiple, Observation, Repeats, Seeds, experiment
-from move.learn.evaluate import Evaluation
+from move.learn.evaluation import Evaluation
 from move.study.kinds import policy_run
 from move.study.labels import LabelledRun, grid
 from move.study.profiles import Profile

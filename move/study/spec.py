@@ -15,7 +15,7 @@ from typing import Annotated, ClassVar, Literal, Self
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, model_validator
 
 from move.choices import Control
-from move.learn.evaluate import Evaluation
+from move.learn.evaluation import Evaluation
 from move.learn.settings import Training
 from move.sim.collection import Collection
 from move.sim.tasks import get_task

@@ -11,7 +11,7 @@ from typing import Annotated, Any
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, NonNegativeFloat, NonNegativeInt, PositiveInt
 
 from move.sim.grasp_points import CIRCLE_POINTS, SPARSE_SIDE
-from move.sim.scene.scene import EPISODE_STEPS, SUCCESS_STEPS
+from move.sim.tasks.task import EPISODE_STEPS, SUCCESS_STEPS
 from move.study.spec import OF_A_POLICY, RunSpec
 
 STRICT = ConfigDict(strict=True, extra="forbid", allow_inf_nan=False, hide_input_in_errors=True)
@@ -135,7 +135,7 @@ def _refuse_other_rows(rows: Rows, spec: RunSpec, demonstrations: int) -> None:
 def expected_groups(spec: RunSpec, demonstrations: int) -> list[str]:
     """The group of each row that a run of `spec` has, if its policy learnt from so many demonstrations.
 
-    >>> from move.learn.evaluate import Evaluation
+    >>> from move.learn.evaluation import Evaluation
     >>> from move.study.spec import ControlRun
     >>> expected_groups(ControlRun(task="push", seed=0, agent="expert", evaluation=Evaluation(episodes=2)), 0)
     ['random', 'random']

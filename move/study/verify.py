@@ -10,17 +10,19 @@ import tempfile
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from move.errors import BadInput
 from move.statistics.intervals import wilson_interval
-from move.study import run as running
 from move.study.execute import PART_SHARE
 from move.study.results import NOT_COMPUTED, Result, load, read_content, split
 from move.study.spec import PolicyRun, RunSpec, run_spec_from_json
 from move.validation import reason_of
+
+if TYPE_CHECKING:
+    from move.study.run import OnProgress
 
 LIKE = ("processor", "cpu_capability", "accelerator", "gl_renderer")
 """Of the provenance: where these differ, so may single episodes."""
@@ -71,7 +73,9 @@ def _report(on_step: Callable[[float, int], None] | None, before: int, drawn: in
         on_step(before + start + share * done / total, drawn)
 
 
-def _recompute(stored: Result, on_progress: running.OnProgress | None = None) -> dict[str, Any]:
+def _recompute(stored: Result, on_progress: OnProgress | None = None) -> dict[str, Any]:
+    from move.study import run as running  # slow to import, and the check of files recomputes nothing
+
     with tempfile.TemporaryDirectory() as scratch:
         again = running.run(stored.spec, Path(scratch) / "results", on_progress, scratch=Path(scratch) / "runs")
     other = _elsewhere(stored, again)

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Any, Literal, SupportsFloat, cast
+from typing import TYPE_CHECKING, Any, Literal, SupportsFloat, cast
 
 import gymnasium
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from move.sim.configuration import Vector
-from move.sim.scene.scene import Scene
 from move.sim.tasks import FACTORS, Task
+
+if TYPE_CHECKING:
+    from move.sim.scene.scene import Scene
 
 JUMP_DISTANCE = 0.2  # metres between gripper and object or target at which it jumps
 
@@ -71,7 +73,7 @@ class Jumps(gymnasium.Wrapper):
 
     def __init__(self, env: gymnasium.Env, factors: str = "all", jumping: Jumping | None = None) -> None:
         super().__init__(env)
-        self.scene: Scene = cast(Scene, env.unwrapped)
+        self.scene: Scene = cast("Scene", env.unwrapped)
         self.jumping, self.phases = jumping or Jumping(), jumping_phases(self.scene.task, factors)
 
     def reset(self, **keywords: Any) -> tuple[np.ndarray, dict]:

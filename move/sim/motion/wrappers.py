@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Any, Literal, SupportsFloat, cast
+from typing import TYPE_CHECKING, Any, Literal, SupportsFloat, cast
 
 import gymnasium
 import numpy as np
@@ -23,8 +23,10 @@ from pydantic import BaseModel, ConfigDict, Field
 from move.choices import SpeedLaw
 from move.sim.configuration import Box, Disc, SpatialConfiguration, vector
 from move.sim.motion import equations
-from move.sim.scene.scene import Scene
 from move.sim.tasks.task import FACTORS, Task
+
+if TYPE_CHECKING:
+    from move.sim.scene.scene import Scene
 
 Part = Literal["object", "rotation", "target", "camera"]
 
@@ -52,7 +54,7 @@ class Motion(gymnasium.Wrapper):
 
     def __init__(self, env: gymnasium.Env, maximum_speed: float, law: SpeedLaw = "beta") -> None:
         super().__init__(env)
-        self.inner, self.scene = cast("Scene | Motion", env), cast(Scene, env.unwrapped)
+        self.inner, self.scene = cast("Scene | Motion", env), cast("Scene", env.unwrapped)
         self.maximum_speed, self.law = maximum_speed, law
 
     def reset(self, **keywords: Any) -> tuple[np.ndarray, dict]:
