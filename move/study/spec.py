@@ -154,7 +154,8 @@ class CollectionRun(_Collected):
 
 
 RunSpec = PolicyRun | ControlRun | CollectionRun
-_ANY: TypeAdapter[RunSpec] = TypeAdapter(Annotated[RunSpec, Field(discriminator="agent")])
+AnyRun = Annotated[RunSpec, Field(discriminator="agent")]
+_ANY: TypeAdapter[RunSpec] = TypeAdapter(AnyRun)
 
 
 def run_spec_from_json(text: str) -> RunSpec:

@@ -5,7 +5,6 @@ Rows are compared by the columns that both have, for results of earlier versions
 
 from __future__ import annotations
 
-import json
 import tempfile
 from collections.abc import Callable
 from functools import partial
@@ -17,9 +16,8 @@ import numpy as np
 from move.errors import BadInput
 from move.statistics.intervals import wilson_interval
 from move.study.execute import PART_SHARE
-from move.study.results import NOT_COMPUTED, Result, load, read_content, split
-from move.study.spec import PolicyRun, RunSpec, run_spec_from_json
-from move.validation import reason_of
+from move.study.results import NOT_COMPUTED, Result, load_named, split
+from move.study.spec import PolicyRun, RunSpec
 
 if TYPE_CHECKING:
     from move.study.run import OnProgress
@@ -127,10 +125,7 @@ def check_files(folder: Path) -> list[dict[str, Any]]:
 
 def _check(path: Path) -> dict[str, Any]:
     try:
-        spec = run_spec_from_json(json.dumps(read_content(path)["spec"]))
-        if spec.hash != path.stem:
-            raise BadInput(f"its spec has the hash {spec.hash}")
-        load(spec, path.parent)
-    except (OSError, ValueError, TypeError, KeyError, RecursionError) as problem:
-        return {"same": False, "difference": reason_of(problem)}
+        load_named(path)
+    except BadInput as problem:
+        return {"same": False, "difference": str(problem)}
     return {"same": True, "difference": "none"}
