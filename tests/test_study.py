@@ -1,6 +1,5 @@
 """Specs and their hashes, results that are never half-read, execution that goes on, profiles, evaluation."""
 
-import dataclasses
 import json
 import os
 import shutil

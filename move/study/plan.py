@@ -104,10 +104,11 @@ def step_seconds(training: Training, demonstrations: Demonstrations, steps: int 
 
     device = best_device()
     trainer = Trainer(demonstrations, training, 0, device)
+    wait = torch.cuda.synchronize if device == "cuda" else lambda: None
     trainer.take_step()
+    wait()
     started = time.perf_counter()
     for _ in range(steps):
         trainer.take_step()
-    if device == "cuda":
-        torch.cuda.synchronize()
+    wait()
     return (time.perf_counter() - started) / steps
