@@ -28,7 +28,7 @@ from matplotlib.figure import Figure
 from move import paths
 from move.figures.page.parameters import runs, with_runs
 from move.figures.plots import style
-from move.learn.evaluate import starts
+from move.learn.evaluation import starts
 from move.paper import PAPER_TASKS
 from move.sim import coverage
 from move.sim.grasp_points import CIRCLE

@@ -9,7 +9,8 @@ from pydantic import ValidationError
 
 from move.errors import BadInput
 from move.learn.agents import Nothing
-from move.learn.evaluate import Evaluation, evaluate, starts
+from move.learn.evaluate import evaluate
+from move.learn.evaluation import Evaluation, starts
 from move.paper import PAPER_TASKS
 from move.sim.collect import attempts, collect
 from move.sim.collection import Collection

@@ -9,7 +9,7 @@ import recipes
 from move.figures.plots import film
 from move.learn import rollout
 from move.learn.agents import PolicyAgent, Recorded
-from move.learn.evaluate import Evaluation
+from move.learn.evaluation import Evaluation
 from move.learn.train import train
 from move.machine import gl_problem
 from move.paper import PAPER_TASKS

@@ -8,11 +8,13 @@ import recipes
 from gymnasium.utils.seeding import np_random
 
 from move.learn.agents import PolicyAgent
-from move.learn.evaluate import Evaluation, evaluate, starts
+from move.learn.evaluate import evaluate
+from move.learn.evaluation import Evaluation, starts
 from move.learn.train import train
 from move.sim.collect import Collection, attempt_seed, collect
-from move.sim.scene.scene import EPISODE_STEPS, SUCCESS_STEPS, Scene
+from move.sim.scene.scene import Scene
 from move.sim.tasks import TASKS, get_task
+from move.sim.tasks.task import EPISODE_STEPS, SUCCESS_STEPS
 
 TASK = get_task("pick-place")
 

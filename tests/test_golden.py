@@ -10,7 +10,8 @@ import json
 import pytest
 
 from move.learn.agents import Expert
-from move.learn.evaluate import Evaluation, evaluate, starts
+from move.learn.evaluate import evaluate
+from move.learn.evaluation import Evaluation, starts
 from move.sim.collect import Collection, collect
 from move.sim.tasks import get_task
 

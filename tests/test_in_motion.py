@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from move.learn.agents import Expert, Nothing
-from move.learn.evaluate import Evaluation, evaluate, starts
+from move.learn.evaluate import evaluate
+from move.learn.evaluation import Evaluation, starts
 from move.sim.tasks import get_task
 
 TASK = get_task("pick-place")

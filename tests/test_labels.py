@@ -9,7 +9,7 @@ from move import paper, paths
 from move.errors import BadInput
 from move.figures import fig1_sparse
 from move.figures.page import parameters
-from move.learn.evaluate import Evaluation
+from move.learn.evaluation import Evaluation
 from move.study import profiles, results
 from move.study import run as running
 from move.study.kinds import collector_run, control_run, policy_run

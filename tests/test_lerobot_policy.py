@@ -19,7 +19,8 @@ from move.errors import BadInput
 from move.exchange import lerobot_policy, lerobot_server
 from move.exchange.lerobot_policy import LeRobotAgent
 from move.exchange.lerobot_server import read_message, write_message
-from move.learn.evaluate import Evaluation, evaluate
+from move.learn.evaluate import evaluate
+from move.learn.evaluation import Evaluation
 from move.machine import gl_problem
 from move.sim.tasks import get_task
 

@@ -8,7 +8,7 @@ import recipes
 
 from move.errors import BadInput
 from move.figures.plots import style
-from move.learn.evaluate import Evaluation
+from move.learn.evaluation import Evaluation
 from move.sim.collect import attempts, collect
 from move.sim.collection import Collection
 from move.sim.methods import METHODS

@@ -16,7 +16,7 @@ from move.figures.page import parameters
 from move.learn import rollout
 from move.learn.checkpoint import load_policy
 from move.learn.diffusion import DiffusionPolicy
-from move.learn.evaluate import Evaluation
+from move.learn.evaluation import Evaluation
 from move.machine import gl_problem
 from move.study import plan, results, run
 from move.study.profiles import load_profile

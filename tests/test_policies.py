@@ -13,7 +13,7 @@ from move.errors import BadInput
 from move.figures.page import parameters
 from move.figures.plots import film
 from move.learn.agents import PolicyAgent, Recorded
-from move.learn.evaluate import Evaluation, starts
+from move.learn.evaluation import Evaluation, starts
 from move.machine import gl_problem
 from move.sim.tasks import get_task
 from move.study import policies

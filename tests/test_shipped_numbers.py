@@ -48,7 +48,7 @@ def counted(figure: str, named: tuple[str, ...], **only: object) -> pd.DataFrame
         labels = {"timesteps": collection and collection.timesteps, **run.labels, "observation": run.spec.observation,
                   "method": collection.method if run.spec.agent == "policy" else run.spec.agent}
         if path.exists() and all(labels[name] == value for name, value in only.items()):
-            success = np.array(content(path)["rows"]["success"], bool)
+            success = np.array(content(path)["rows"]["success_steps"]) > 0
             rows.append({**{name: labels[name] for name in named}, "successes": success.sum(), "all": len(success)})
     return pd.DataFrame(rows).groupby(list(named), as_index=False).sum()
 

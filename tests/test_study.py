@@ -7,6 +7,7 @@ import stat
 import subprocess
 
 import numpy as np
+import pandas as pd
 import pytest
 import recipes
 from pydantic import ValidationError
@@ -16,13 +17,15 @@ from move.errors import BadInput
 from move.figures import generalization, table2_main
 from move.figures.page import kernels, parameters
 from move.learn.agents import Expert, Nothing, PolicyAgent, Random
-from move.learn.evaluate import Evaluation, evaluate, starts
+from move.learn.evaluate import evaluate
+from move.learn.evaluation import Evaluation, starts
 from move.learn.train import train
 from move.sim.collect import Collection, collect
 from move.sim.configuration import SpatialConfiguration
 from move.sim.motion.adc import MENDED, Jumping
-from move.sim.scene.scene import EPISODE_STEPS, Scene
+from move.sim.scene.scene import Scene
 from move.sim.tasks import get_task
+from move.sim.tasks.task import EPISODE_STEPS
 from move.study import execute, policies, profiles, results, run
 from move.study.plan import TRIAL_MINUTES, plan_rows
 from move.study.profiles import load_profile
@@ -133,7 +136,7 @@ def test_a_damaged_result_is_named_and_missing(stored, damage):
     path = folder / f"{result.spec.hash}.json"
     text = path.read_text()
     other = tiny_spec(seed=4)
-    damaged = {"cut": text[: len(text) // 2], "edited": text.replace('"steps": [200', '"steps": [199'), "empty": "",
+    damaged = {"cut": text[: len(text) // 2], "edited": text.replace('"steps":[200', '"steps":[199'), "empty": "",
                "swapped": text}[damage]
     assert damage == "swapped" or damaged != text
     spec = other if damage == "swapped" else result.spec
@@ -610,3 +613,46 @@ def test_a_policy_that_is_not_there_is_one_clear_line(tmp_path, monkeypatch):
         policies.trained_policy(tiny_spec(), load_profile("smoke"))
     with pytest.raises(BadInput, match="no finished policy"):
         policies.ship(tiny_spec(), load_profile("smoke"))
+
+
+# tables --------------------------------------------------------------------------------------------------------------
+
+
+def test_what_the_spec_says_is_not_stored_and_comes_back(stored):
+    result, folder = stored
+    content = json.loads((folder / f"{result.spec.hash}.json").read_text())
+    assert {name for name, column in content["rows"].items() if column} == {"end_success", "held", "steps",
+                                                                            "success_steps"}
+    assert content["rows"].keys() | {"trial", "group", "success"} == result.rows[0].keys()
+    assert "object_x" not in content["collection"]["grasps"] and "camera_angle" in content["collection"]["grasps"]
+    collected = results.load(result.spec, folder).collection
+    assert collected == json.loads(json.dumps(result.collection))
+
+
+def test_a_result_is_read_again_where_its_file_changed_and_not_otherwise(stored, monkeypatch):
+    result, folder = stored
+    path = folder / f"{result.spec.hash}.json"
+    first = results.read(path)
+    assert results.read(path) is first
+    path.write_text(path.read_text().replace('"collection":', '"collection" :'))
+    with pytest.raises(BadInput, match="does not fit its digest"):
+        results.read(path)
+
+
+def test_a_table_has_each_column_as_one_frame_a_result_would_give_it():
+    one = of_episodes(tiny_spec(), {"length": 1, "x": None}, [True, False], held=[True, True])
+    two = of_episodes(tiny_spec(seed=1), {"length": 0.5, "x": "a"}, [True])
+    three = of_episodes(tiny_spec(seed=2), {"length": True, "x": None}, [False], held=[False])
+    for order in ([one, two, three], [two, two, one], [three, one], [one, one]):
+        slow = pd.concat([
+            pd.DataFrame(result.rows).assign(**result.labels).assign(
+                run=result.spec.hash, kind="policy", task="pick-place", method="static", observation="keypoints",
+                timesteps=100, factors="all", hand_spread=0.0, hand="anywhere", seed=result.spec.seed)
+            for result in order], ignore_index=True)
+        pd.testing.assert_frame_equal(results.table(order), slow)
+
+
+def of_episodes(spec, labels, outcomes, **columns):
+    rows = [{"trial": number, "success": outcome, **{name: column[number] for name, column in columns.items()}}
+            for number, outcome in enumerate(outcomes)]
+    return results.Result(spec, rows, None, None, {}, {}, labels)

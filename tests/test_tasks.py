@@ -13,7 +13,8 @@ from metaworld.env_dict import ALL_V3_ENVIRONMENTS
 import move  # noqa: F401, registers the scenes
 from move.errors import BadInput
 from move.learn.agents import Expert, GoalBlind, Nothing
-from move.learn.evaluate import Evaluation, evaluate, starts
+from move.learn.evaluate import evaluate
+from move.learn.evaluation import Evaluation, starts
 from move.paper import PAPER_METHODS
 from move.sim.collect import Collection, collect, collecting_env, demonstrate
 from move.sim.experts.phase import make_expert

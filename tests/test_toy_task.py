@@ -10,7 +10,8 @@ import recipes
 
 import move.sim
 from move.learn.agents import Nothing
-from move.learn.evaluate import Evaluation, evaluate, starts
+from move.learn.evaluate import evaluate
+from move.learn.evaluation import Evaluation, starts
 from move.sim.collect import Collection, collect
 from move.sim.configuration import Box
 from move.sim.methods import METHODS

@@ -229,6 +229,19 @@ def test_a_loss_that_is_no_number_stops_training(monkeypatch):
         train(keypoints(), settings(), 0)
 
 
+def test_a_loss_that_is_no_number_is_named_by_its_step_and_never_saved(tmp_path, monkeypatch):
+    loss, taken = DiffusionPolicy.loss, []
+
+    def breaks(self, *given):
+        taken.append(loss(self, *given))
+        return taken[-1] * (torch.nan if len(taken) == 3 else 1)
+
+    monkeypatch.setattr(DiffusionPolicy, "loss", breaks)
+    with pytest.raises(BadInput, match="loss nan at gradient step 2"):
+        train(keypoints(), settings(), 0, tmp_path, checkpoint_every=2)
+    assert json.loads((tmp_path / "run.json").read_text())["step"] == 2
+
+
 def test_a_missing_checkpoint_is_named(tmp_path):
     with pytest.raises(BadInput, match="no checkpoint in .*nowhere"):
         load_policy(tmp_path / "nowhere")

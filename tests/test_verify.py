@@ -9,7 +9,7 @@ import recipes
 import typer.testing
 
 from move import cli, paths
-from move.learn.evaluate import Evaluation
+from move.learn.evaluation import Evaluation
 from move.sim.collect import Collection
 from move.study import results, run, verify
 from move.study.profiles import load_profile
@@ -74,7 +74,7 @@ def test_every_file_is_checked_against_its_digest_and_its_name(honest, tmp_path)
     assert "digest" in verify.check_files(tmp_path)[0]["difference"]
     path.write_text(whole)
     path.rename(tmp_path / f"{spec(seed=9).hash}.json")
-    assert "hash" in verify.check_files(tmp_path)[0]["difference"]
+    assert "is the run" in verify.check_files(tmp_path)[0]["difference"]
 
 
 def test_a_sample_holds_a_run_from_pixels_and_none_twice(honest):
@@ -105,7 +105,7 @@ def test_a_difference_ends_the_command_with_exit_code_1(tampered):
 def test_checking_every_file_ends_with_exit_code_1_at_a_damaged_one(tampered):
     runner = typer.testing.CliRunner()
     assert runner.invoke(cli.app, ["verify", "--all"]).exit_code == 0
-    tampered.write_text(tampered.read_text().replace('"seed": 0', '"seed": 1'))
+    tampered.write_text(tampered.read_text().replace('"seed":0', '"seed":1'))
     assert runner.invoke(cli.app, ["verify", "--all"]).exit_code == 1
 
 

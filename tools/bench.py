@@ -32,7 +32,8 @@ from rich.table import Table  # noqa: E402
 from move.exchange.lerobot_policy import PYTHON as LEROBOT  # noqa: E402
 from move.learn.agents import PolicyAgent  # noqa: E402
 from move.learn.diffusion import DiffusionPolicy  # noqa: E402
-from move.learn.evaluate import Evaluation, evaluate  # noqa: E402
+from move.learn.evaluate import evaluate  # noqa: E402
+from move.learn.evaluation import Evaluation  # noqa: E402
 from move.learn.settings import Training  # noqa: E402
 from move.learn.train import Trainer, train  # noqa: E402
 from move.machine import gl_problem, gl_renderer, keep_freed_memory, peak_memory_mb, processor  # noqa: E402

@@ -31,7 +31,7 @@ from move.figures.tables import (
     spoken_verdicts,
     with_paper,
 )
-from move.learn.evaluate import Evaluation
+from move.learn.evaluation import Evaluation
 from move.study.kinds import policy_run
 from move.study.labels import LabelledRun, grid
 from move.study.profiles import Profile

@@ -22,7 +22,7 @@ from move.figures.plots.axes import GREY
 from move.figures.plots.panels import empty_panel
 from move.figures.plots.style import COLOURS, PAGE_WIDTH, titles
 from move.figures.tables import difference_table
-from move.learn.evaluate import Evaluation
+from move.learn.evaluation import Evaluation
 from move.sim.tasks import TASKS
 from move.statistics.cells import successes, training_noise
 from move.statistics.estimates import UNKNOWN, Estimate, TrainingNoise, difference, success_rate, unpaired_difference

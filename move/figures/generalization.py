@@ -14,10 +14,10 @@ from move.figures.page.data import Data
 from move.figures.page.parameters import Count, MethodName, Seeds
 from move.figures.plots.style import NAMES, PAGE_WIDTH
 from move.figures.tables import difference_table, rate_table, spoken_difference
-from move.learn.evaluate import Evaluation
+from move.learn.evaluation import Evaluation
 from move.paper import PAPER_METHODS
-from move.sim.scene.scene import EPISODE_STEPS
 from move.sim.tasks import TASKS
+from move.sim.tasks.task import EPISODE_STEPS
 from move.study.axes import budgets
 from move.study.kinds import policy_run
 from move.study.labels import LabelledRun, grid

@@ -15,7 +15,7 @@ from move.figures.page.captions import Words
 from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Multiple
 from move.figures.plots.style import PAGE_WIDTH, titles
-from move.learn.evaluate import Evaluation
+from move.learn.evaluation import Evaluation
 from move.statistics.estimates import difference, success_rate
 from move.study.kinds import policy_run
 from move.study.labels import LabelledRun, distinct, grid

@@ -9,5 +9,6 @@ train.py       gradient steps, learning-rate schedule, averaged weights
 checkpoint.py  a training run on disk
 agents.py      what acts in an evaluation: a policy, or a control
 rollout.py     the loop that steps the episodes together
-evaluate.py    which configurations are tried, and one row an episode
+evaluation.py  which configurations are tried, as data
+evaluate.py    all episodes of an evaluation, one row each
 """

@@ -109,9 +109,19 @@ def crop(images: Tensor, pixels: int, generator: torch.Generator | None = None) 
     if generator is None:
         y, x = spare_y // 2, spare_x // 2
         return images[:, :, y:y + pixels, x:x + pixels]
-    ys = torch.randint(spare_y + 1, (len(images),), generator=generator).tolist()
-    xs = torch.randint(spare_x + 1, (len(images),), generator=generator).tolist()
-    return torch.stack([window[:, y:y + pixels, x:x + pixels] for window, y, x in zip(images, ys, xs, strict=False)])
+    windows, frames, height, width, channels = images.shape
+    ys = torch.randint(spare_y + 1, (windows, 1, 1), generator=generator)
+    xs = torch.randint(spare_x + 1, (windows, 1, 1), generator=generator)
+    frame = torch.arange(windows * frames).view(windows, frames, 1)
+    firsts = ((frame * height + ys + torch.arange(pixels)) * width + xs) * channels  # of each row of each cut-out
+    rows = images.flatten().unfold(0, pixels * channels, 1)  # a view: as many numbers as a row has, from each number on
+    return rows.index_select(0, to_device(firsts.flatten(), images.device)).view(
+        windows, frames, pixels, pixels, channels)
+
+
+def to_device(tensor: Tensor, device: torch.device) -> Tensor:
+    """A CPU tensor on `device`; on the way to a GPU nobody waits for it."""
+    return tensor.pin_memory().to(device, non_blocking=True) if device.type == "cuda" else tensor
 
 
 class DiffusionPolicy(nn.Module):
@@ -159,11 +169,12 @@ class DiffusionPolicy(nn.Module):
             observations = crop(observations, self.training_settings.crop_pixels, generator)
         draws = self.training_settings.noise_draws
         clean = self.action_normalizer(actions).repeat(draws, 1, 1)
-        time = torch.randint(self.training_settings.diffusion_steps, (len(clean),), generator=generator)
-        noise = torch.randn(clean.shape, generator=generator).to(actions.device)
+        levels = torch.randint(self.training_settings.diffusion_steps, (len(clean),), generator=generator)
+        time = to_device(levels, actions.device)
+        noise = to_device(torch.randn(clean.shape, generator=generator), actions.device)
         noisy = self.schedule.add_noise(clean, noise, cast(IntTensor, time))
         condition = self._condition(observations).repeat(draws, 1)
-        predicted = self.denoiser(noisy, time.to(actions.device), condition)
+        predicted = self.denoiser(noisy, time, condition)
         return F.mse_loss(predicted.float(), clean if self.training_settings.target == "sample" else noise)
 
     @torch.no_grad()

@@ -17,8 +17,8 @@ from move.learn.agents import Agent
 from move.sim.configuration import SpatialConfiguration
 from move.sim.motion.wrappers import Motion, Motions, with_motions
 from move.sim.observe import KEYPOINTS, ObservationSpec
-from move.sim.scene.scene import EPISODE_STEPS, SUCCESS_STEPS, Scene
-from move.sim.tasks.task import Task
+from move.sim.scene.scene import Scene
+from move.sim.tasks.task import EPISODE_STEPS, SUCCESS_STEPS, Task
 
 Callback = Callable[[int, Scene], None]
 MOTION_STREAM = 4  # first word of the seed of what moves in an evaluation

@@ -21,15 +21,17 @@ from move.errors import BadInput
 from move.learn import checkpoint as checkpoints
 from move.learn.checkpoint import Checkpoint, UnusableCheckpoint
 from move.learn.dataset import window_indices
-from move.learn.diffusion import DiffusionPolicy
+from move.learn.diffusion import DiffusionPolicy, to_device
 from move.learn.settings import Training
 from move.machine import keep_freed_memory, one_thread, precision_used
 from move.sim.demonstrations import Demonstrations
 
 CURVE_POINTS = 50
+READ_EVERY = 100  # gradient steps between two looks at the losses, for each of which a GPU has to finish its work
 CHECKPOINT_SECONDS = 180.0  # between two checkpoints; the environment variable says otherwise
 VARIABLE = "MOVE_CHECKPOINT_SECONDS"
-OnStep = Callable[[int, int, float], None]
+OnStep = Callable[[int, int, Tensor], None]
+"""Called with the gradient steps done, how many there are, and the loss; reading that makes a GPU finish its work."""
 
 
 @dataclass(frozen=True)
@@ -92,7 +94,8 @@ class Batches:
 
     def sample(self, generator: torch.Generator) -> tuple[Tensor, Tensor]:
         """Observations (B, To, ...) and actions (B, Tp, action_size) of random windows."""
-        chosen = torch.randint(len(self.observed), (self.size,), generator=generator).to(self.observed.device)
+        drawn = torch.randint(len(self.observed), (self.size,), generator=generator)
+        chosen = to_device(drawn, self.observed.device)
         return _select(self.observations, self.observed[chosen]), _select(self.actions, self.predicted[chosen])
 
 
@@ -118,7 +121,7 @@ class Trainer:
         if device != "cpu":
             self.policy.encoder.compile()
             self.policy.denoiser.compile()
-        self.losses = torch.zeros(training.gradient_steps)
+        self.losses = torch.zeros(training.gradient_steps, device=device)
         self.adam = torch.optim.AdamW(
             self.weights, lr=0.0, betas=(training.beta1, training.beta2), weight_decay=training.weight_decay, fused=True
         )
@@ -131,8 +134,12 @@ class Trainer:
         policy.fit_normalizers(demonstrations)
         return policy.to(self.device)
 
-    def take_step(self) -> float:
-        """One gradient step; returns its loss."""
+    def take_step(self) -> Tensor:
+        """One gradient step; returns its loss, a scalar on the device.
+
+        Raises:
+            BadInput: training has diverged, as is seen every hundred steps and at the end.
+        """
         generator = step_generator(self.seed, self.step)
         with torch.autocast(self.device, torch.bfloat16, enabled=self.precision == "bfloat16"):
             loss = self.policy.loss(*self.batches.sample(generator), generator)
@@ -143,14 +150,25 @@ class Trainer:
         with torch.no_grad():
             keep = ema_decay_at(self.training, self.ema_steps)
             torch._foreach_lerp_(self.ema_weights, self.weights, 1 - keep)
-        value = self.losses[self.step] = loss.item()
-        if not math.isfinite(value):
-            raise BadInput(f"training diverged: loss {value} at gradient step {self.step}; try a smaller learning_rate")
+        self.losses[self.step] = loss.detach()
         self.step, self.ema_steps = self.step + 1, self.ema_steps + 1
-        return value
+        if self.step % READ_EVERY == 0 or self.step == self.training.gradient_steps:
+            self._refuse_divergence()
+        return loss.detach()
+
+    def _refuse_divergence(self) -> None:
+        losses = self.losses[:self.step].cpu()
+        for step in (~losses.isfinite()).nonzero().flatten().tolist()[:1]:
+            raise BadInput(f"training diverged: loss {losses[step]} at gradient step {step}; try a smaller "
+                           "learning_rate")
 
     def checkpoint(self) -> Checkpoint:
-        """What `resume` needs; once finished, only what acting and reporting need."""
+        """What `resume` needs; once finished, only what acting and reporting need.
+
+        Raises:
+            BadInput: training has diverged.
+        """
+        self._refuse_divergence()
         tensors = {f"averaged/{name}": tensor for name, tensor in self.ema_policy.state_dict().items()}
         tensors["losses"] = self.losses[:self.step]
         if self.step < self.training.gradient_steps:
@@ -183,7 +201,7 @@ class Trainer:
 
     def report(self) -> TrainingReport:
         """Loss curve, seconds, precision and size."""
-        parts = np.array_split(self.losses[:self.step].numpy(), min(CURVE_POINTS, self.step))
+        parts = np.array_split(self.losses[:self.step].cpu().numpy(), min(CURVE_POINTS, self.step))
         ends = np.cumsum([len(part) for part in parts])
         curve = tuple((int(end), float(part.mean())) for end, part in zip(ends, parts, strict=False))
         return TrainingReport(curve, self.seconds, self.precision, sum(weight.numel() for weight in self.weights))

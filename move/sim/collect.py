@@ -17,15 +17,15 @@ import numpy as np
 
 from move.errors import BadInput
 from move.sim.collection import ANY_HAND, Collection
-from move.sim.configuration import SpatialConfiguration, Vector, vector
+from move.sim.configuration import SpatialConfiguration, Vector
 from move.sim.demonstrations import Demonstrations
 from move.sim.experts.phase import Expert, make_expert
-from move.sim.grasp_points import grasp_point
+from move.sim.grasp_points import grasp_point, hand_near
 from move.sim.methods import get_method
 from move.sim.motion.adc import jumping_phases
-from move.sim.scene.scene import EPISODE_STEPS, SUCCESS_STEPS, Scene
-from move.sim.scene.shared_model import shared_world
+from move.sim.scene.scene import Scene
 from move.sim.tasks import Task, get_task
+from move.sim.tasks.task import EPISODE_STEPS, SUCCESS_STEPS
 
 STREAM = 1  # first word of every collection seed: no other part of the package draws from it
 HAND = 1  # second word of the seed that draws a hand's start, beside what the scene draws from the same attempt
@@ -159,14 +159,6 @@ def _start(collection: Collection, task: Task, point: Vector | None, seed: int) 
     anywhere = collection.factors == ANY_HAND
     hand = task.hand_range.sample(rng) if anywhere else hand_near(task, collection.hand_spread, rng)
     return {"configuration": replace(task.fixed, object_position=point, hand_position=hand)}
-
-
-def hand_near(task: Task, spread: float, rng: np.random.Generator) -> Vector:
-    """A hand's start (metres) from the box of half-side `spread` around the task's fixed hand, within its limits."""
-    if not spread:
-        return task.fixed.hand_position
-    place, (low, high) = np.array(task.fixed.hand_position), np.array(shared_world(task).hand_limits)
-    return vector(place + rng.uniform(np.maximum(-spread, low - place), np.minimum(spread, high - place)))
 
 
 def _grasped_there(episode: Episode, point: Vector) -> bool:

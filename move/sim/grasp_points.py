@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from move.sim.configuration import Box, Disc, Vector
+from move.sim.configuration import Box, Disc, Vector, vector
 from move.sim.tasks.task import Task
 
 CIRCLE = Disc((-0.05, 0.65), 0.15)  # figure 5; metres
@@ -49,3 +49,13 @@ def grasp_point(protocol: str, task: Task, index: int, seed: int) -> Vector | No
 def motion_region(protocol: str, task: Task) -> Box | Disc:
     """Where the object may move: the task's range, or inside the circle (figure 5)."""
     return CIRCLE if protocol == "circle" else task.object_range
+
+
+def hand_near(task: Task, spread: float, rng: np.random.Generator) -> Vector:
+    """A hand's start (metres) from the box of half-side `spread` around the task's fixed hand, within its limits."""
+    if not spread:
+        return task.fixed.hand_position
+    from move.sim.scene.shared_model import shared_world
+
+    place, (low, high) = np.array(task.fixed.hand_position), np.array(shared_world(task).hand_limits)
+    return vector(place + rng.uniform(np.maximum(-spread, low - place), np.minimum(spread, high - place)))

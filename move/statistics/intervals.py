@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy import stats
-from statsmodels.stats.proportion import proportion_confint
+from scipy.special import ndtri, stdtrit
 
 from move.errors import BadInput
 
@@ -22,8 +21,11 @@ def wilson_interval(rate: float, trials: float, *, level: float = CONFIDENCE) ->
     >>> round(low, 3), round(high, 3)
     (0.219, 0.613)
     """
-    low, high = proportion_confint(rate * trials, trials, alpha=1 - level, method="wilson")
-    return min(float(low), rate), max(float(high), rate)  # against rounding at 0 and 1
+    normal, share = -ndtri((1 - level) / 2), rate * trials / trials
+    whole = 1 + normal**2 / trials
+    centre = (share + normal**2 / (2 * trials)) / whole
+    half = normal * np.sqrt(share * (1 - share) / trials + normal**2 / (4 * trials**2)) / whole
+    return min(max(float(centre - half), 0.0), rate), max(min(float(centre + half), 1.0), rate)
 
 
 def exact_interval(successes: int, trials: int, *, level: float = CONFIDENCE) -> tuple[float, float]:
@@ -38,7 +40,10 @@ def exact_interval(successes: int, trials: int, *, level: float = CONFIDENCE) ->
     """
     if not 0 <= successes <= trials or trials < 1:
         raise BadInput(f"{successes} successes of {trials} trials: allowed are 0..trials of at least one trial")
-    low, high = proportion_confint(successes, trials, alpha=1 - level, method="beta")
+    from scipy.stats import beta  # slow to import, and only trials by hand ask
+
+    low = beta.ppf((1 - level) / 2, successes, trials - successes + 1) if successes else 0.0
+    high = beta.isf((1 - level) / 2, successes + 1, trials - successes) if successes < trials else 1.0
     return float(low), float(high)
 
 
@@ -50,4 +55,4 @@ def student_half_width(deviation: float, count: int, *, level: float = CONFIDENC
     >>> round(student_half_width(1.0, 4), 3)
     1.591
     """
-    return float(stats.t.ppf((1 + level) / 2, count - 1) * deviation / np.sqrt(count)) if count > 1 else float("nan")
+    return float(stdtrit(count - 1, (1 + level) / 2) * deviation / np.sqrt(count)) if count > 1 else float("nan")

@@ -32,13 +32,13 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
-from scipy import stats
+from scipy.special import ndtr, ndtri
 
 from move.statistics.estimates import holm
 from move.statistics.needed import Design, Trials
 
 LEVEL = 0.05
-TWO_SIDED = float(stats.norm.ppf(1 - LEVEL / 2))
+TWO_SIDED = float(ndtri(1 - LEVEL / 2))
 NAN, INFINITE = float("nan"), float("inf")
 
 REPRODUCED, SMALLER, LARGER = "reproduced", "reproduced, smaller", "reproduced, larger"
@@ -289,4 +289,4 @@ def _p_value(value: float, low: float, high: float, against: float) -> float:
     half = value - low if value > against else high - value
     if not np.isfinite(half) or half <= 0:
         return 0.0 if half == 0 else 1.0
-    return float(2 * stats.norm.sf(TWO_SIDED * abs(value - against) / half))
+    return float(2 * ndtr(-TWO_SIDED * abs(value - against) / half))

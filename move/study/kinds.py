@@ -13,9 +13,9 @@ from typing import Any
 from pydantic import BaseModel
 
 from move.errors import BadInput
-from move.learn.evaluate import Evaluation
+from move.learn.evaluation import Evaluation
 from move.learn.settings import Training
-from move.sim.collect import Collection
+from move.sim.collection import Collection
 from move.sim.methods import get_method
 from move.study.profiles import Profile
 from move.study.spec import CollectionRun, ControlRun, PolicyRun

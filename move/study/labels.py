@@ -9,7 +9,7 @@ from itertools import product
 from typing import Any
 
 from move.errors import BadInput
-from move.learn.evaluate import Evaluation
+from move.learn.evaluation import Evaluation
 from move.study.profiles import NoRecipe
 from move.study.spec import RunSpec
 

@@ -7,14 +7,11 @@ from statistics import median
 from typing import Any
 
 import numpy as np
-import torch
 
 from move.learn.settings import Training
-from move.learn.train import Trainer
 from move.machine import accelerator, best_device, processor
 from move.paths import results
 from move.sim.demonstrations import Demonstrations
-from move.sim.scene.scene import Scene
 from move.study.profiles import Profile
 from move.study.results import NOT_COMPUTED, Result, split
 from move.study.spec import PolicyRun, RunSpec
@@ -88,6 +85,8 @@ def _minutes(spec: RunSpec, there: list[Result], minutes: dict[str, float], imag
 
 def _example(spec: PolicyRun, image_size: int) -> Demonstrations:
     """As many timesteps as a batch has windows, of the right shapes and no meaning."""
+    from move.sim.scene.scene import Scene
+
     scene, rng = Scene(spec.task, "keypoints"), np.random.default_rng(0)
     steps = spec.training.batch_size
     observations = (rng.integers(256, size=(steps, image_size, image_size, 3), dtype=np.uint8)
@@ -99,12 +98,17 @@ def _example(spec: PolicyRun, image_size: int) -> Demonstrations:
 
 def step_seconds(training: Training, demonstrations: Demonstrations, steps: int = MEASURED_STEPS) -> float:
     """Seconds of one gradient step on the best device here, the mean of `steps` after one that is not counted."""
+    import torch
+
+    from move.learn.train import Trainer
+
     device = best_device()
     trainer = Trainer(demonstrations, training, 0, device)
+    wait = torch.cuda.synchronize if device == "cuda" else lambda: None
     trainer.take_step()
+    wait()
     started = time.perf_counter()
     for _ in range(steps):
         trainer.take_step()
-    if device == "cuda":
-        torch.cuda.synchronize()
+    wait()
     return (time.perf_counter() - started) / steps

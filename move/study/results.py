@@ -1,18 +1,16 @@
 """Stored results: one JSON file a run, written whole or not at all, with where it came from.
 
 A result holds its spec, one row an episode, the collection's record, the training curve, timings and provenance, and
-a digest of all that. A file that cannot be read, or does not fit its digest, the spec asked for or what such a run
-holds (`stored.py`), is never a number: it is named, and the run counts as missing.
+a digest of all that (`stored.py`). A file that cannot be read, or does not fit its digest, the spec asked for or what
+such a run gives, is never a number: it is named, and the run counts as missing.
 """
 
 from __future__ import annotations
 
-import hashlib
-import json
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import count
+from itertools import count, groupby, repeat
 from pathlib import Path
 from typing import Any
 
@@ -22,8 +20,8 @@ from move.errors import BadInput
 from move.files import written_aside
 from move.sim.tasks import FACTORS
 from move.study.labels import Label
-from move.study.spec import RESULTS_VERSION, RunSpec, run_spec_from_json
-from move.study.stored import refuse_other_content
+from move.study.spec import RESULTS_VERSION, RunSpec
+from move.study.stored import from_bytes, to_text
 from move.validation import reason_of
 
 HASH = re.compile(r"[0-9a-f]{16}")
@@ -50,25 +48,16 @@ class Result:
         return sum(judged) / len(judged)
 
 
-def _digest(content: dict) -> str:
-    canonical = json.dumps({key: value for key, value in content.items() if key != "digest"}, sort_keys=True)
-    return hashlib.sha256(canonical.encode()).hexdigest()
-
-
 def store(result: Result, folder: Path) -> Path:
     """Write `result` under its hash, atomically.
 
     Raises:
         BadInput: a folder that cannot be written.
     """
-    columns = {name: [row[name] for row in result.rows] for name in result.rows[0]}
-    content = {**vars(result), "spec": result.spec.model_dump(mode="json"), "rows": columns}
-    del content["labels"]
-    content = json.loads(json.dumps(content))
-    content["digest"] = _digest(content)
+    content = {name: getattr(result, name) for name in ("collection", "training", "seconds", "provenance")}
     path = folder / f"{result.spec.hash}.json"
     with written_aside(path) as beside:
-        beside.write_text(json.dumps(content, sort_keys=True) + "\n")
+        beside.write_text(to_text(result.spec, result.rows, content))
     return path
 
 
@@ -81,19 +70,37 @@ def load(spec: RunSpec, folder: Path) -> Result | None:
     path = folder / f"{spec.hash}.json"
     if not path.exists():
         return None
+    result = read(path)
+    if result.spec != spec:
+        raise BadInput(f"result {path} is not usable: it holds another spec")
+    return result
+
+
+_read: dict[Path, tuple[tuple[int, ...], Result]] = {}  # by this process; which file it was, when it changed, its size
+
+
+def read(path: Path) -> Result:
+    """The result that a file holds, whatever its name; each file is read once a process, unless it changes.
+
+    Raises:
+        BadInput: no such file, or it is damaged or of another results version; the message says what is wrong first.
+    """
     try:
-        content = read_content(path)
-        stored = run_spec_from_json(json.dumps(content["spec"]))
-        if stored != spec:
-            raise ValueError("it holds another spec")
-        if stored.results_version != RESULTS_VERSION:
-            raise ValueError(f"results version {stored.results_version}; this source reads {RESULTS_VERSION}")
-        refuse_other_content(content, spec)
+        if not path.is_file():
+            raise ValueError("it is no file")
+        found = path.stat()
+        state = (found.st_ino, found.st_mtime_ns, found.st_size)
+        if path in _read and _read[path][0] == state:
+            return _read[path][1]
+        if found.st_size > LARGEST:
+            raise ValueError(f"{found.st_size} bytes; a result has at most {LARGEST}")
+        spec, rows, content = from_bytes(path.read_bytes())
+        if spec.results_version != RESULTS_VERSION:
+            raise ValueError(f"results version {spec.results_version}; this source reads {RESULTS_VERSION}")
     except (OSError, ValueError, TypeError, KeyError, RecursionError) as error:
         raise BadInput(f"result {path} is not usable: {reason_of(error)}") from error
-    columns = content.pop("rows")
-    rows = [dict(zip(columns, values, strict=True)) for values in zip(*columns.values(), strict=True)]
-    return Result(**{**content, "spec": stored, "rows": rows})
+    _read[path] = state, Result(spec, rows, **content)
+    return _read[path][1]
 
 
 def load_named(path: Path) -> Result:
@@ -102,13 +109,9 @@ def load_named(path: Path) -> Result:
     Raises:
         BadInput: it is no result, damaged, or of another run than its name says.
     """
-    try:
-        spec = run_spec_from_json(json.dumps(read_content(path)["spec"]))
-    except (OSError, ValueError, TypeError, KeyError, RecursionError) as error:
-        raise BadInput(f"result {path} is not usable: {reason_of(error)}") from error
-    result = load(spec, path.parent) if path.stem == spec.hash else None
-    if result is None:
-        raise BadInput(f"{path} is the run {spec.hash}; allowed is a file of that name")
+    result = read(path)
+    if path.stem != result.spec.hash:
+        raise BadInput(f"{path} is the run {result.spec.hash}; allowed is a file of that name")
     return result
 
 
@@ -123,24 +126,6 @@ def find(name: str, folders: Sequence[Path]) -> Result:
         raise BadInput(f"run: {name[:60]!r} given; allowed is the hash of a run stored in "
                        f"{' or '.join(map(str, folders))}")
     return load_named(there[0])
-
-
-def read_content(path: Path) -> dict[str, Any]:
-    """The content of a result's file without its digest.
-
-    Raises:
-        OSError, ValueError, RecursionError: no such file, not JSON, or not what its digest says.
-    """
-    if not path.is_file():
-        raise ValueError("it is no file")
-    if (size := path.stat().st_size) > LARGEST:
-        raise ValueError(f"{size} bytes; a result has at most {LARGEST}")
-    content = json.loads(path.read_text())
-    if not isinstance(content, dict):
-        raise ValueError("it is JSON, but no object")
-    if content.pop("digest", None) != _digest(content):
-        raise ValueError("its content does not fit its digest")
-    return content
 
 
 def set_aside(spec: RunSpec, folder: Path) -> Path | None:
@@ -193,22 +178,37 @@ def table(results: list[Result]) -> pd.DataFrame:
     Raises:
         BadInput: a label that has the name of an episode's own column.
     """
-    frames = [
-        _episodes(result).assign(
-            run=result.spec.hash,
-            kind=result.spec.kind,
-            task=result.spec.task,
-            method=result.spec.method,
-            observation=result.spec.observation,
-            timesteps=result.spec.collection.timesteps if result.spec.collection else 0,
-            factors=result.spec.evaluation.factors,
-            hand_spread=result.spec.collection.hand_spread if result.spec.collection else 0.0,
-            hand=hand_start(result.spec),
-            seed=result.spec.seed,
-        )
-        for result in results
-    ]
+    parts = [(result.rows, list(result.rows[0]), _of_the_run(result)) for result in results]
+    alike = groupby(parts, lambda part: (part[1], [(name, type(value)) for name, value in part[2].items()]))
+    frames = [pd.DataFrame(_columns(columns, list(same))) for (columns, _), same in alike]
     return pd.concat(frames, ignore_index=True) if frames else pd.DataFrame()
+
+
+def _columns(columns: list[str], parts: list[tuple[list[dict], list[str], dict[str, Any]]]) -> dict[str, list]:
+    """The columns of results whose episodes have the same ones, and whose runs have the same, of the same types."""
+    episodes = {name: [row[name] for rows, _, _ in parts for row in rows] for name in columns}
+    return episodes | {name: [value for rows, _, run in parts for value in repeat(run[name], len(rows))]
+                       for name in parts[0][2]}
+
+
+def _of_the_run(result: Result) -> dict[str, Any]:
+    """What all episodes of a result share: the labels, and what every run has."""
+    if taken := set(result.labels) & set(result.rows[0]):
+        raise BadInput(f"label: {', '.join(sorted(taken))} given, which every episode has; allowed is another name")
+    spec, made = result.spec, result.spec.collection
+    return {
+        **result.labels,
+        "run": spec.hash,
+        "kind": spec.kind,
+        "task": spec.task,
+        "method": spec.method,
+        "observation": spec.observation,
+        "timesteps": made.timesteps if made else 0,
+        "factors": spec.evaluation.factors,
+        "hand_spread": made.hand_spread if made else 0.0,
+        "hand": hand_start(spec),
+        "seed": spec.seed,
+    }
 
 
 def hand_start(spec: RunSpec) -> str:
@@ -220,10 +220,3 @@ def hand_start(spec: RunSpec) -> str:
     if "hand" in FACTORS[made.factors if made else spec.evaluation.factors]:
         return "anywhere"
     return f"within {100 * made.hand_spread:g} cm" if made and made.hand_spread else "one place"
-
-
-def _episodes(result: Result) -> pd.DataFrame:
-    rows = pd.DataFrame(result.rows)
-    if taken := set(result.labels) & set(rows):
-        raise BadInput(f"label: {', '.join(sorted(taken))} given, which every episode has; allowed is another name")
-    return rows.assign(**result.labels)

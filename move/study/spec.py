@@ -15,7 +15,7 @@ from typing import Annotated, ClassVar, Literal, Self
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, model_validator
 
 from move.choices import Control
-from move.learn.evaluate import Evaluation
+from move.learn.evaluation import Evaluation
 from move.learn.settings import Training
 from move.sim.collection import Collection
 from move.sim.tasks import get_task
@@ -154,7 +154,8 @@ class CollectionRun(_Collected):
 
 
 RunSpec = PolicyRun | ControlRun | CollectionRun
-_ANY: TypeAdapter[RunSpec] = TypeAdapter(Annotated[RunSpec, Field(discriminator="agent")])
+AnyRun = Annotated[RunSpec, Field(discriminator="agent")]
+_ANY: TypeAdapter[RunSpec] = TypeAdapter(AnyRun)
 
 
 def run_spec_from_json(text: str) -> RunSpec:

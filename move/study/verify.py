@@ -5,22 +5,22 @@ Rows are compared by the columns that both have, for results of earlier versions
 
 from __future__ import annotations
 
-import json
 import tempfile
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from move.errors import BadInput
 from move.statistics.intervals import wilson_interval
-from move.study import run as running
 from move.study.execute import PART_SHARE
-from move.study.results import NOT_COMPUTED, Result, load, read_content, split
-from move.study.spec import PolicyRun, RunSpec, run_spec_from_json
-from move.validation import reason_of
+from move.study.results import NOT_COMPUTED, Result, load_named, split
+from move.study.spec import PolicyRun, RunSpec
+
+if TYPE_CHECKING:
+    from move.study.run import OnProgress
 
 LIKE = ("processor", "cpu_capability", "accelerator", "gl_renderer")
 """Of the provenance: where these differ, so may single episodes."""
@@ -71,7 +71,9 @@ def _report(on_step: Callable[[float, int], None] | None, before: int, drawn: in
         on_step(before + start + share * done / total, drawn)
 
 
-def _recompute(stored: Result, on_progress: running.OnProgress | None = None) -> dict[str, Any]:
+def _recompute(stored: Result, on_progress: OnProgress | None = None) -> dict[str, Any]:
+    from move.study import run as running  # slow to import, and the check of files recomputes nothing
+
     with tempfile.TemporaryDirectory() as scratch:
         again = running.run(stored.spec, Path(scratch) / "results", on_progress, scratch=Path(scratch) / "runs")
     other = _elsewhere(stored, again)
@@ -123,10 +125,7 @@ def check_files(folder: Path) -> list[dict[str, Any]]:
 
 def _check(path: Path) -> dict[str, Any]:
     try:
-        spec = run_spec_from_json(json.dumps(read_content(path)["spec"]))
-        if spec.hash != path.stem:
-            raise BadInput(f"its spec has the hash {spec.hash}")
-        load(spec, path.parent)
-    except (OSError, ValueError, TypeError, KeyError, RecursionError) as problem:
-        return {"same": False, "difference": reason_of(problem)}
+        load_named(path)
+    except BadInput as problem:
+        return {"same": False, "difference": str(problem)}
     return {"same": True, "difference": "none"}

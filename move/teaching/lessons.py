@@ -15,6 +15,7 @@ import pandas as pd
 import torch
 from IPython.display import Markdown, display
 from matplotlib.axes import Axes
+from torch import Tensor
 
 from move import paths
 from move.figures.page.parameters import runs as runs_of
@@ -120,7 +121,7 @@ def train_live(demonstrations: Demonstrations, training: Training, seed: int) ->
     loss_now, shown_at = ipywidgets.Label(), 0.0
     display(ipywidgets.HBox([bar, loss_now]))
 
-    def show(done: int, total: int, loss: float) -> None:
+    def show(done: int, total: int, loss: Tensor) -> None:
         nonlocal shown_at
         if time.monotonic() - shown_at > REDRAWN or done == total:
             shown_at = time.monotonic()

@@ -9,7 +9,8 @@ import numpy as np
 import pandas as pd
 
 from move.learn.agents import PolicyAgent
-from move.learn.evaluate import Evaluation, evaluate
+from move.learn.evaluate import evaluate
+from move.learn.evaluation import Evaluation
 from move.learn.settings import Training
 from move.learn.train import train
 from move.sim.collect import collect

@@ -73,7 +73,7 @@ class Jumps(gymnasium.Wrapper):
 
     def __init__(self, env: gymnasium.Env, factors: str = "all", jumping: Jumping | None = None) -> None:
         super().__init__(env)
-        self.scene = cast("Scene", env.unwrapped)
+        self.scene: Scene = cast("Scene", env.unwrapped)
         self.jumping, self.phases = jumping or Jumping(), jumping_phases(self.scene.task, factors)
 
     def reset(self, **keywords: Any) -> tuple[np.ndarray, dict]:

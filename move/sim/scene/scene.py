@@ -30,8 +30,6 @@ from move.sim.tasks import DEFAULT_TASK, FACTORS, TASKS, Task, get_task
 
 OBSERVATIONS: tuple[str, ...] = get_args(ObservationKind)
 RENDER_MODES = ("rgb_array",)
-EPISODE_STEPS = 200  # the authors' limit
-SUCCESS_STEPS = 10  # an episode ends after this many successful steps (the authors' rule)
 HAND_STEP = 0.01  # metres that the hand's goal moves for an action of 1
 YAW_STEP = math.radians(6.0)  # radians that the gripper's goal turns for an action of 1
 YAW_LIMIT = math.radians(100.0)  # of the gripper's goal, to both sides; radians

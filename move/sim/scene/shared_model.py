@@ -7,7 +7,6 @@ from functools import cache
 
 import mujoco
 import numpy as np
-from metaworld.env_dict import ALL_V3_ENVIRONMENTS
 
 from move.choices import Drawing
 from move.sim.configuration import Vector, vector
@@ -27,6 +26,8 @@ class World:
     """
 
     def __init__(self, task: Task) -> None:
+        from metaworld.env_dict import ALL_V3_ENVIRONMENTS  # slow to import, and drawing stored results needs none
+
         environment = ALL_V3_ENVIRONMENTS[task.metaworld]()
         self.model: mujoco.MjModel = environment.model
         sites = self.model.site_pos.copy()

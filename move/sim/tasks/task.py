@@ -32,6 +32,9 @@ the hand's start goes with the target."""
 
 MAX_CANDIDATES = 1000
 
+EPISODE_STEPS = 200  # the authors' limit
+SUCCESS_STEPS = 10  # an episode ends after this many successful steps (the authors' rule)
+
 
 @dataclass(frozen=True)
 class MovableBody:
