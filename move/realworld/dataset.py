@@ -17,7 +17,7 @@ from move.realworld.episode import EpisodeRef, Part, Recording, RobotEpisode, me
 from move.realworld.formats import LAYOUTS
 from move.realworld.units import UnitRow, convert, detect_units, read_units_file, units_table
 from move.realworld.untrusted_names import plain_text
-from move.untrusted import plain_files, read_json, reading, within
+from move.untrusted import bounded_memory, plain_files, read_json, reading, within
 
 # A file of this name at the root of a data set says that no robot was involved.
 SIMULATED = "SIMULATED.json"
@@ -72,7 +72,7 @@ def open_dataset(data: str | Path = hub.REPOSITORY, *, revision: str | None = hu
             raise BadInput(f"revision {revision!r} was given with the folder {data}; a folder has no revision")
         root, remote = Path(data), None
         plain_text(root.resolve().name, "the folder's own name")
-        parts = detect(list(plain_files(root)), root)
+        parts = detect(plain_files(root), root)
     elif str(data).count("/") == 1 and not Path(data).is_absolute() and not str(data).startswith("."):
         remote = hub.list_remote(str(data), revision, folder, log=log)
         root = remote.folder
@@ -86,7 +86,8 @@ def open_dataset(data: str | Path = hub.REPOSITORY, *, revision: str | None = hu
         names = [_prefix(part, remote) + file for part in parts for ref in chosen[part.name][1] for file in ref.files]
         hub.fetch(remote, names, size_cap_gb=size_cap_gb, log=log)
         chosen = {part.name: _choose(_episodes(part), episodes, part) for part in parts}  # what came now is judged too
-    return _read(str(data), remote.revision if remote else None, root, parts, chosen, overrides, log)
+    with bounded_memory(root):
+        return _read(str(data), remote.revision if remote else None, root, parts, chosen, overrides, log)
 
 
 def _prefix(part: Part, remote: hub.Remote) -> str:
@@ -133,10 +134,10 @@ def _read(source: str, revision: str | None, root: Path, parts: Sequence[Part], 
     """Read the chosen episodes of every part; an episode that cannot be read is named and left out."""
     episodes: list[RobotEpisode] = []
     rows: list[UnitRow] = []
-    contents, unread, held = [], [], 0
+    contents, unread = [], []
     for part in parts:
         refs, wanted = chosen[part.name]
-        recordings, failed, held = _recordings(part, wanted, held)
+        recordings, failed = _recordings(part, wanted)
         unread += failed
         mine: list[RobotEpisode] = []
         if recordings:
@@ -162,17 +163,15 @@ def _about(mark: Path) -> dict:
     return about
 
 
-def _recordings(part: Part, refs: Sequence[EpisodeRef], held: int) -> tuple[list[Recording], list[str], int]:
-    """Read episodes; `held` bytes are in memory already, and how many there are then is returned too."""
+def _recordings(part: Part, refs: Sequence[EpisodeRef]) -> tuple[list[Recording], list[str]]:
+    """Read episodes; of those that cannot be read why."""
     recordings, failed = [], []
     for ref in refs:
         try:
-            recording = LAYOUTS[part.layout].read(part, ref)
-            held = within("memory_bytes", held + recording.held_bytes, f"{part.root}: all episodes together")
-            recordings.append(recording)
+            recordings.append(LAYOUTS[part.layout].read(part, ref))
         except BadInput as error:
             failed.append(str(error))
-    return recordings, failed, held
+    return recordings, failed
 
 
 def _method(part: Part) -> str:

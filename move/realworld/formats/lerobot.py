@@ -69,8 +69,8 @@ def episodes(part: Part) -> list[EpisodeRef]:
     """
     info = read_info(part)
     with reading(part.root, "the episode table of a LeRobot data set"):
-        rows = sorted(_rows_v2(part) if part.layout == V2 else _rows_v3(part), key=lambda row: row["episode_index"])
-        refs = [_ref(part, info, row) for row in rows]
+        rows = _rows_v2(part) if part.layout == V2 else _rows_v3(part)
+        refs = [_ref(part, info, row) for row in sorted(rows, key=lambda row: _whole(row, "episode_index"))]
     totals: Counter[str] = Counter()
     videos = [(ref, video) for ref in refs for video in ref.place["videos"].values()]
     for ref, video in videos:  # in the order in which their frames lie in the files
@@ -89,11 +89,7 @@ def _rows_v2(part: Part) -> list[dict[str, Any]]:
     with reading(path, "one JSON object a line with episode_index and length"):
         lines = [line for line in read_text(path).splitlines() if line.strip()]
         within("episodes", len(lines), path)
-        rows = [parse_json(line, path) for line in lines]
-        for row in rows:
-            within("rows", _whole(row, "length"), path)
-            _whole(row, "episode_index")
-        return rows
+        return [parse_json(line, path) for line in lines]
 
 
 def _rows_v3(part: Part) -> list[dict[str, Any]]:
@@ -103,7 +99,6 @@ def _rows_v3(part: Part) -> list[dict[str, Any]]:
         with reading(path, "the episode table of a LeRobot v3.0 data set"):
             wanted = [name for name in numeric_names(path) if not name.startswith("stats/")]
             rows += read_columns(path, wanted).to_pylist()
-            within("episodes", len(rows), path)
     return rows
 
 
@@ -124,6 +119,7 @@ def _ref(part: Part, info: Info, row: dict[str, Any]) -> EpisodeRef:
         for key in info.cameras("video")}
     files = (data, *(video["path"] for video in videos.values()))
     length = _whole(row, "length") if part.layout == V3 or "length" in row else None
+    within("rows", length or 0, f"{part.root}: episode {index}")
     return EpisodeRef(index, files, length, {"data": data, "videos": videos})
 
 
@@ -131,10 +127,9 @@ def read(part: Part, ref: EpisodeRef) -> Recording:
     """Read one episode; videos are opened only when frames are asked for."""
     info, path = read_info(part), inside(part.root, ref.place["data"])
     with reading(path, "a parquet table of LeRobot episodes"):
-        table = _read_table(path, info, episode=None if part.layout == V2 else ref.index)
-        cameras = {key: from_video(**(video | {"path": inside(part.root, video["path"])}))
-                   for key, video in ref.place["videos"].items()}
-        return _recording(part, ref, info, table, path, cameras)
+        names = numeric_names(path, (*STATE, *ACTION, "timestamp", *NUMBERING))
+        table = read_columns(path, [*names, *info.cameras("image")], episode=ref.index if part.layout == V3 else None)
+        return _recording(part, ref, info, table, path)
 
 
 def read_info(part: Part) -> Info:
@@ -184,17 +179,7 @@ def to_matrix(table: pa.Table, key: str) -> np.ndarray:
     return column.to_numpy(zero_copy_only=False).astype(np.float64).reshape(rows, -1)
 
 
-def _read_table(path: Path, info: Info, *, episode: int | None = None) -> pa.Table:
-    """The numbers and the images of a table, of one episode or of all; whatever else it holds is not needed.
-
-    Raises:
-        BadInput: no such table, or what has to be numbers is something else.
-    """
-    names = numeric_names(path, (*STATE, *ACTION, "timestamp", *NUMBERING))
-    return read_columns(path, [*names, *info.cameras("image")], episode=episode)
-
-
-def _image_frames(part: Part, table: pa.Table, key: str, source: str) -> Frames:
+def _image_frames(part: Part, table: pa.Table, key: str, source: Path) -> Frames:
     """Frames stored in a parquet column, as bytes or as paths inside the data set; none where there is no column."""
     cells = table[key].to_pylist() if key in table.column_names else []
     if all(isinstance(cell, dict) and cell.get("bytes") for cell in cells):
@@ -202,33 +187,29 @@ def _image_frames(part: Part, table: pa.Table, key: str, source: str) -> Frames:
     return from_files([inside(part.root, cell["path"] if isinstance(cell, dict) else cell) for cell in cells])
 
 
-def _recording(part: Part, ref: EpisodeRef, info: Info, table: pa.Table, source,
-              cameras: Mapping[str, Frames]) -> Recording:
-    """Turn the rows of one episode into a recording, in the order of `frame_index`.
-
-    Args:
-        table: the rows of this episode alone.
-        cameras: frames that are not in the table (videos).
-    """
+def _recording(part: Part, ref: EpisodeRef, info: Info, table: pa.Table, source: Path) -> Recording:
+    """Turn the rows of one episode into a recording, in the order of `frame_index`."""
     notes = []
-    if "frame_index" in table.column_names and (np.diff(to_matrix(table, "frame_index")[:, 0]) < 0).any():
+    there = table.column_names
+    if "frame_index" in there and (np.diff(to_matrix(table, "frame_index")[:, 0]) < 0).any():
         table = table.sort_by("frame_index")
         notes.append("rows were not in the order of frame_index: sorted")
     state, names = _state(table, info.features)
     piper = not info.robot_type or is_piper(info.robot_type)
     arm, hints, more = ({}, {}, []) if state is None else arm_streams(state, names, piper_order=piper)
-    notes += more
-    action = next((key for key in ACTION if key in table.column_names), None)
-    images = {key: _image_frames(part, table, key, str(source)) for key in info.cameras("image")}
+    action = next((key for key in ACTION if key in there), None)
     streams = {
         **arm, "action": to_matrix(table, action) if action else None, "state": state,
-        "timestamps": to_matrix(table, "timestamp")[:, 0] if "timestamp" in table.column_names else None,
+        "timestamps": to_matrix(table, "timestamp")[:, 0] if "timestamp" in there else None,
     }
+    cameras = {key: from_video(**(video | {"path": inside(part.root, video["path"])}))
+               for key, video in ref.place["videos"].items()}
+    cameras |= {key: _image_frames(part, table, key, source) for key in info.cameras("image")}
     return make_recording(
-        part, ref, streams, fps=info.fps, source=source, hints=hints, notes=notes, robot=info.robot_type,
-        numbering={key: to_matrix(table, key)[:, 0] for key in NUMBERING if key in table.column_names},
+        part, ref, streams, fps=info.fps, source=source, hints=hints, notes=notes + more, robot=info.robot_type,
+        numbering={key: to_matrix(table, key)[:, 0] for key in NUMBERING if key in there},
         action_names=tuple(_names_of(info.features.get(action, {}))) if action else (),
-        cameras={key.removeprefix("observation.images."): value for key, value in {**cameras, **images}.items()})
+        cameras={key.removeprefix("observation.images."): frames for key, frames in cameras.items()})
 
 
 def _state(table: pa.Table, features: Mapping[str, Any]) -> tuple[np.ndarray | None, list[str]]:
