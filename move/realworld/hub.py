@@ -85,8 +85,8 @@ def plainly(repo_id: str, revision: str | None, endpoint: str) -> Iterator[None]
         elif isinstance(error, OSError) and error.errno in DISK_ERRORS:
             what = f"it cannot be kept on this disk ({said})"
         else:
-            what = (f"no network, or what answered is no Hub ({said}); give a local folder instead, or try again: files "
-                    "already fetched are kept")
+            what = (f"no network, or what answered is no Hub ({said}); give a local folder instead, or try again: "
+                    "files already fetched are kept")
         raise BadInput(f"{repo_id}@{revision or 'newest'} ({endpoint}): {what}") from error
 
 

@@ -46,7 +46,7 @@ def episodes(part: Part) -> list[EpisodeRef]:
         within("episodes", stored.shape[0], path)
         ends = np.asarray(stored[:])
         if ends.ndim != 1 or ends.dtype.kind not in "iu":
-            raise BadInput(f"{path}: meta/episode_ends is {ends.dtype} {ends.shape}; expected whole numbers (episodes,)")
+            raise BadInput(f"{path}: meta/episode_ends is {ends.dtype} {ends.shape}; expected whole numbers")
         arrays = {name: plain_array(group, name) for name in array_names(group)}
         place = {"arrays": {name.removeprefix("data/"): array.shape for name, array in arrays.items()
                             if name.startswith("data/")},
