@@ -37,6 +37,9 @@ ROBOTS = {  # names -> limb: joints, pose, gripper
     "legs": (["left_hip_pitch", "left_knee", "left_shoulder_pitch", "left_elbow"], {"left": Columns((2, 3))}),
     "a pose of Euler angles": ([*(f"tcp_pos_{axis}" for axis in "xyz"), *(f"tcp_rot_{axis}" for axis in "xyz")],
                                {"": Columns((), tuple(range(6)))}),
+    "RoboCOIN": ([*(f"right_arm_joint_{n}_rad" for n in range(1, 7)), "right_gripper_open_scale",
+                  *(f"right_eef_{kind}_{axis}" for kind in ("pos", "rot") for axis in "xyz")],
+                 {"right": Columns(tuple(range(6)), tuple(range(7, 13)), 6)}),
     "a column twice": (["joint_1", "joint_1", "gripper"], {}), "nothing said": (["a", "b", "c", "d", "e", "f"], {}),
 }
 
