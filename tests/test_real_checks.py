@@ -13,7 +13,6 @@ import zarr
 
 from move.paper import TABLE3_REAL
 from move.realworld import check_dataset, checks_table, open_dataset, write_sample
-from move.realworld.checks import OUTCOMES
 from move.realworld.episode import RobotEpisode
 from move.realworld.piper import LIMITS_RAD, flange_transform, forward_kinematics, reach
 from move.realworld.sample import SIZE
@@ -41,7 +40,7 @@ def test_the_sample_says_that_it_is_simulated(sample):
 
 def test_the_sample_passes_all_but_the_papers_sizes(sample):
     table = checks_table(check_dataset(sample))
-    assert list(table.columns) == ["name", "outcome", "detail"] and set(table["outcome"]) <= set(OUTCOMES)
+    assert list(table.columns) == ["name", "outcome", "detail"]
     assert set(table.loc[table["outcome"] != "pass", "name"]) == {
         "move_sample: size is one of the paper's", "static_sample: size is one of the paper's",
         "move: mean length is the paper's", "static: mean length is the paper's", "a robot was involved",
@@ -205,7 +204,7 @@ LAYOUTS = {
 def test_every_layout_has_the_same_checks_and_passes_none_for_want_of_a_quantity(tmp_path, layout):
     data = open_dataset(LAYOUTS[layout](tmp_path / "d"))
     table = checks_table(check_dataset(data)).set_index("name")
-    assert len(table) == 18 and set(table["outcome"]) <= set(OUTCOMES)
+    assert len(table) == 18 and set(table["outcome"]) <= {"pass", "differs", "unknown"}
     wanted = {
         "episodes are as long as stated": [e for e in data.episodes if e.stated_timesteps],
         "timesteps are numbered in order": [e for e in data.episodes if e.numbering],

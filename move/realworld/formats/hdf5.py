@@ -108,18 +108,21 @@ def _gap(data: h5py.Dataset) -> str:
     return f"{data.name} has {stored} of its {chunks} chunks" if stored < chunks else ""
 
 
-def _values(file: h5py.File, key: str) -> np.ndarray | None:
-    """All numbers of a data set; None where there is none.
+def _values(file: h5py.File, key: str) -> np.ndarray:
+    """All numbers of a data set.
 
     Raises:
         BadInput: a group, or no real numbers.
     """
-    if (data := file.get(key)) is None:
-        return None
+    data = file[key]
     if not isinstance(data, h5py.Dataset) or data.dtype.kind not in "biuf":
         kind = data.dtype if isinstance(data, h5py.Dataset) else "a group"
         raise BadInput(f"{file.filename}:{key}: found {kind}; expected real numbers")
     return data[()]
+
+
+def _recorded(file: h5py.File, key: str) -> np.ndarray | None:
+    return _values(file, key) if key in file else None
 
 
 def _first(file: h5py.File, folder: str, order: Sequence[str]) -> np.ndarray | None:
@@ -144,8 +147,8 @@ def _pika(part: Part, ref: EpisodeRef, file: h5py.File, path: Path) -> Recording
         notes.append("depth is 8-bit, its metres are lost: not read")
     streams = {
         "joints": None if position is None else position[:, :6], "end_effector": None if pose is None else pose[:, :6],
-        "gripper": gripper, "action": _values(file, "arm/jointStatePosition/master"),
-        "timestamps": _values(file, "timestamp"),
+        "gripper": gripper, "action": _recorded(file, "arm/jointStatePosition/master"),
+        "timestamps": _recorded(file, "timestamp"),
     }
     cameras = {name: _pika_camera(path, data) for name, data in file.get("camera/color", {}).items()}
     return make_recording(part, ref, streams, source=path, cameras=cameras, notes=notes, hints=hints)
@@ -164,7 +167,7 @@ def _act(part: Part, ref: EpisodeRef, file: h5py.File, path: Path) -> Recording:
     state = _values(file, "observations/qpos")
     arm, _, notes = arm_streams(state)
     times = next((key for key in ("observations/timestamp", "timestamps", "timestamp") if key in file), "timestamp")
-    streams = {**arm, "action": _values(file, "action"), "state": state, "timestamps": _values(file, times)}
+    streams = {**arm, "action": _recorded(file, "action"), "state": state, "timestamps": _recorded(file, times)}
     cameras = {name: from_hdf5(path, data.name) for name, data in file.get("observations/images", {}).items()}
     notes += ["order of the colour channels is not recorded: red first assumed"] if cameras else []
     return make_recording(part, ref, streams, source=path, cameras=cameras, notes=notes)
@@ -181,8 +184,8 @@ def _robomind(part: Part, ref: EpisodeRef, file: h5py.File, path: Path) -> Recor
     if joints is not None and joints.shape[1] >= 7:
         joints, gripper = joints[:, :-1], joints[:, -1]
         notes.append("last joint taken as the gripper")
-    pose = _values(file, f"puppet/end_effector{side}")
+    pose = _recorded(file, f"puppet/end_effector{side}")
     streams = {"joints": joints, "gripper": gripper, "end_effector": None if pose is None else pose[:, :6],
-               "action": _values(file, f"master/joint_position{side}")}
+               "action": _recorded(file, f"master/joint_position{side}")}
     cameras = {name: from_hdf5(path, data.name) for name, data in file.get("observations/rgb_images", {}).items()}
     return make_recording(part, ref, streams, assumed_fps=ROBOMIND_HZ, source=path, cameras=cameras, notes=notes)
