@@ -280,7 +280,7 @@ STREAMS = {
     "a table of true and false": ("expected numbers", table({"observation.state": pa.array([[True] * 7] * 6)})),
     "time as text": ("expected numbers", changed(v2, lambda path: w.change_table(path / TABLE, timestamp=["0"] * 6))),
     "no columns": ("at least one timestep", table({"action": pa.array([[], []], pa.list_(pa.float32()))})),
-    "ragged columns": ("the same number of values", table({"action": [[1.0], [1.0, 2.0]]})),
+    "ragged columns": ("inhomogeneous", table({"action": [[1.0], [1.0, 2.0]]})),
     "too many columns": ("columns", table({"action": [[0.0] * 10_000]})),
     "a table that is JSON": ("expected a parquet table", text(TABLE, "{}")),
     "a reading of true": ("expected numbers", text(SYNC.replace("sync.txt", "1.json"), '{"position": [true]}',

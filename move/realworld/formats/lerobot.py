@@ -18,12 +18,12 @@ from typing import Annotated, Any
 
 import numpy as np
 import pyarrow as pa
+import pyarrow.parquet as pq
 from pydantic import BaseModel, Field, ValidationError
 
 from move.errors import BadInput
 from move.realworld.episode import EpisodeRef, Part, Recording, make_recording
 from move.realworld.frames import Frames, from_bytes, from_files, from_video
-from move.realworld.parquet import numeric_names, read_columns
 from move.realworld.piper import is_piper
 from move.realworld.state_columns import arm_streams, flat_names
 from move.realworld.untrusted_names import fill_template, inside
@@ -39,6 +39,7 @@ STATE = ("observation.state", "observation.states", "states", "state")
 ACTION = ("action", "actions")
 POSE_WORDS = ("eef", "ee_pose", "end_pose", "endpose")
 NUMBERING = ("episode_index", "frame_index", "index")
+pa.set_memory_pool(pa.system_memory_pool())  # Arrow's own keeps address space that `move.untrusted` would not count
 
 
 class Info(BaseModel):
@@ -97,8 +98,7 @@ def _rows_v3(part: Part) -> list[dict[str, Any]]:
     for name in sorted(file for file in part.files if file.startswith("meta/episodes/") and file.endswith(".parquet")):
         path = inside(part.root, name)
         with reading(path, "the episode table of a LeRobot v3.0 data set"):
-            wanted = [name for name in numeric_names(path) if not name.startswith("stats/")]
-            rows += read_columns(path, wanted).to_pylist()
+            rows += _read_table(path, ()).to_pylist()
     return rows
 
 
@@ -127,8 +127,7 @@ def read(part: Part, ref: EpisodeRef) -> Recording:
     """Read one episode; videos are opened only when frames are asked for."""
     info, path = read_info(part), inside(part.root, ref.place["data"])
     with reading(path, "a parquet table of LeRobot episodes"):
-        names = numeric_names(path, (*STATE, *ACTION, "timestamp", *NUMBERING))
-        table = read_columns(path, [*names, *info.cameras("image")], episode=ref.index if part.layout == V3 else None)
+        table = _read_table(path, info.cameras("image"), episode=ref.index if part.layout == V3 else None)
         return _recording(part, ref, info, table, path)
 
 
@@ -161,22 +160,43 @@ def _names_of(feature: Mapping[str, Any]) -> list[str]:
     return flat_names(feature.get("names", feature.get("name")))
 
 
-def to_matrix(table: pa.Table, key: str) -> np.ndarray:
-    """One column of a table as (T, k) float64, be it scalars, lists, fixed-size lists or an extension type.
+def _read_table(path: Path, images: Sequence[str], *, episode: int | None = None) -> pa.Table:
+    """The columns of numbers and of images, in the order of the file; statistics are left out.
+
+    Args:
+        episode: read only the rows whose `episode_index` is this.
 
     Raises:
-        BadInput: rows of unequal length, or nulls.
+        BadInput: more rows than allowed, something else than numbers where they are needed, or no column
+            `episode_index` where one is needed.
     """
-    column = table[key].combine_chunks()
-    if isinstance(column, pa.ChunkedArray):
-        column = pa.concat_arrays(column.chunks)
-    rows = len(column)
-    while isinstance(column, pa.ExtensionArray) or pa.types.is_nested(column.type):
-        column = column.storage if isinstance(column, pa.ExtensionArray) else column.flatten()
-    if column.null_count or rows == 0 or len(column) % rows:
-        raise BadInput(f"column {key!r}: {rows} rows, {len(column)} numbers, {column.null_count} nulls; "
-                       "expected the same number of values in every row")
-    return column.to_numpy(zero_copy_only=False).astype(np.float64).reshape(rows, -1)
+    about = pq.read_metadata(path)
+    within("rows", about.num_rows, path)
+    kinds = {field.name: field.type for field in about.schema.to_arrow_schema()}
+    for name in (*STATE, *ACTION, "timestamp", *NUMBERING):
+        if name in kinds and not _is_numeric(kinds[name]):
+            raise BadInput(f"{path}: column {name!r}: found {kinds[name]}; expected numbers")
+    if episode is not None and "episode_index" not in kinds:
+        raise BadInput(f"{path}: expected a column 'episode_index'; found {list(kinds)[:12]}")
+    wanted = [name for name, kind in kinds.items()
+              if name in images or _is_numeric(kind) and not name.startswith("stats/")]
+    rows = None if episode is None else [("episode_index", "==", episode)]
+    return pq.read_table(path, columns=wanted, filters=rows, partitioning=None, use_threads=False)
+
+
+def _is_numeric(kind: pa.DataType) -> bool:
+    """Whether a column holds numbers, alone or in lists; true and false are none."""
+    if isinstance(kind, pa.BaseExtensionType):
+        return _is_numeric(kind.storage_type)
+    if pa.types.is_list(kind) or pa.types.is_large_list(kind) or pa.types.is_fixed_size_list(kind):
+        return _is_numeric(kind.value_type)
+    return pa.types.is_integer(kind) or pa.types.is_floating(kind)
+
+
+def _matrix(table: pa.Table, key: str) -> np.ndarray:
+    """One column of a table as (T, k) float64, be it numbers or lists of them; what is null becomes NaN."""
+    values = np.array(table[key].to_pylist(), dtype=np.float64)
+    return values.reshape(len(values), -1)
 
 
 def _image_frames(part: Part, table: pa.Table, key: str, source: Path) -> Frames:
@@ -191,7 +211,7 @@ def _recording(part: Part, ref: EpisodeRef, info: Info, table: pa.Table, source:
     """Turn the rows of one episode into a recording, in the order of `frame_index`."""
     notes = []
     there = table.column_names
-    if "frame_index" in there and (np.diff(to_matrix(table, "frame_index")[:, 0]) < 0).any():
+    if "frame_index" in there and (np.diff(_matrix(table, "frame_index")[:, 0]) < 0).any():
         table = table.sort_by("frame_index")
         notes.append("rows were not in the order of frame_index: sorted")
     state, names = _state(table, info.features)
@@ -199,29 +219,27 @@ def _recording(part: Part, ref: EpisodeRef, info: Info, table: pa.Table, source:
     arm, hints, more = ({}, {}, []) if state is None else arm_streams(state, names, piper_order=piper)
     action = next((key for key in ACTION if key in there), None)
     streams = {
-        **arm, "action": to_matrix(table, action) if action else None, "state": state,
-        "timestamps": to_matrix(table, "timestamp")[:, 0] if "timestamp" in there else None,
+        **arm, "action": _matrix(table, action) if action else None, "state": state,
+        "timestamps": _matrix(table, "timestamp")[:, 0] if "timestamp" in there else None,
     }
     cameras = {key: from_video(**(video | {"path": inside(part.root, video["path"])}))
                for key, video in ref.place["videos"].items()}
     cameras |= {key: _image_frames(part, table, key, source) for key in info.cameras("image")}
     return make_recording(
         part, ref, streams, fps=info.fps, source=source, hints=hints, notes=notes + more, robot=info.robot_type,
-        numbering={key: to_matrix(table, key)[:, 0] for key in NUMBERING if key in there},
+        numbering={key: _matrix(table, key)[:, 0] for key in NUMBERING if key in there},
         action_names=tuple(_names_of(info.features.get(action, {}))) if action else (),
         cameras={key.removeprefix("observation.images."): frames for key, frames in cameras.items()})
 
 
 def _state(table: pa.Table, features: Mapping[str, Any]) -> tuple[np.ndarray | None, list[str]]:
-    """The state vector and, where they are kept apart, pose vectors beside it."""
-    keys = [next((key for key in STATE if key in table.column_names), None)]
+    """The state vector and, where they are kept apart, pose vectors next to it; their names, where there are any."""
+    keys = [key for key in STATE if key in table.column_names][:1]
     keys += [key for key in table.column_names if any(word in key for word in POSE_WORDS) and "action" not in key]
-    blocks, names = [], []
-    for key in filter(None, keys):
-        block = to_matrix(table, key)
+    blocks, names, named = [_matrix(table, key) for key in keys], [], False
+    for key, block in zip(keys, blocks, strict=True):
         own = _names_of(features.get(key, {}))
-        blocks.append(block)
-        names += own if len(own) == block.shape[1] else [f"unnamed_{n}" for n in range(block.shape[1])]
-    if not blocks:
-        return None, []
-    return np.hstack(blocks), [] if all(name.startswith("unnamed_") for name in names) else names
+        told = len(own) == block.shape[1]
+        names += own if told else [f"unnamed_{n}" for n in range(block.shape[1])]
+        named = named or told
+    return np.hstack(blocks) if blocks else None, names if named else []
