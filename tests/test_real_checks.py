@@ -193,16 +193,9 @@ def test_each_check_finds_what_is_wrong_in_whatever_layout(tmp_path, what):
     assert check.outcome == "differs" and says in check.detail, check
 
 
-LAYOUTS = {
-    "LeRobot v2.1": w.lerobot_v2, "LeRobot v3.0": w.lerobot_v3, "Pika tree": w.pika_tree, "Pika HDF5": w.pika_hdf5,
-    "ACT": w.act_hdf5, "RoboMIND": w.robomind_hdf5, "zarr": w.zarr_buffer,
-    "authors' zarr": lambda folder: w.zarr_buffer(folder, simulation=True),
-}
-
-
-@pytest.mark.parametrize("layout", LAYOUTS)
+@pytest.mark.parametrize("layout", w.LAYOUTS)
 def test_every_layout_has_the_same_checks_and_passes_none_for_want_of_a_quantity(tmp_path, layout):
-    data = open_dataset(LAYOUTS[layout](tmp_path / "d"))
+    data = open_dataset(w.LAYOUTS[layout](tmp_path / "d"))
     table = checks_table(check_dataset(data)).set_index("name")
     assert len(table) == 18 and set(table["outcome"]) <= {"pass", "differs", "unknown"}
     wanted = {

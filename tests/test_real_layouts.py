@@ -201,13 +201,12 @@ def test_the_method_comes_from_the_folder_or_from_the_reader(tmp_path):
     assert data.episodes[0].method == "static" and data.contents["method"].tolist() == ["static"]
 
 
-@pytest.mark.parametrize("layout", ["LeRobot v2.1", "LeRobot v3.0", "Pika tree", "Pika HDF5, images next to it",
-                                    "ACT, HWC", "RoboMIND", "zarr 2, folder", "zarr 2, zip", "authors' zarr"])
+@pytest.mark.parametrize("layout", w.LAYOUTS)
 def test_the_how_to_pages_ten_lines_make_a_buffer_of_every_layout(tmp_path, layout):
     page = (paths.ROOT / "docs/how-to/use_your_own_demonstrations.md").read_text(encoding="utf-8")
     lines = next(block for block in re.findall(r"```python\n(.*?)```", page, flags=re.S) if "open_dataset(" in block)
     assert len(lines.splitlines()) <= 10
-    READ[layout][0](tmp_path / "mine_lerobot")
+    w.LAYOUTS[layout](tmp_path / "mine_lerobot")
     for name in ("mine_lerobot", "from_lerobot.zarr"):
         assert f'"build/{name}"' in lines
         lines = lines.replace(f'"build/{name}"', f'"{tmp_path}/{name}"')
