@@ -11,6 +11,7 @@ import json
 import os
 import resource
 import stat
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, fields, replace
@@ -80,21 +81,27 @@ def bounded_memory(where: object) -> Iterator[None]:
     Raises:
         BadInput: what was done needs more.
     """
-    before = soft, hard = resource.getrlimit(resource.RLIMIT_AS)
+    soft, hard = resource.getrlimit(resource.RLIMIT_AS)
+    allowed = _address_space_bytes() + limits().memory_bytes
+    unbounded = sys.platform == "linux" and (soft == resource.RLIM_INFINITY or soft > allowed)
     try:
-        pages = int(Path("/proc/self/statm").read_text().split()[0])
-        allowed = pages * resource.getpagesize() + limits().memory_bytes
-        if soft == resource.RLIM_INFINITY or allowed < soft:  # else it is bounded already, by the caller or the user
+        if unbounded:  # else it is bounded already, by the caller or by whoever started the process
             resource.setrlimit(resource.RLIMIT_AS, (allowed, hard))
-    except OSError:
-        pass  # another system
-    try:
         yield
     except MemoryError as error:
         raise BadInput(f"{where}: more than {limits().memory_bytes:,} bytes of memory needed; "
                        f"{VARIABLE}=memory_bytes=... allows more") from error
     finally:
-        resource.setrlimit(resource.RLIMIT_AS, before)
+        if unbounded:
+            resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
+
+
+def _address_space_bytes() -> int:
+    """How much the process has now; 0 where the system does not say it."""
+    try:
+        return int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+    except OSError:
+        return 0
 
 
 @contextmanager

@@ -88,21 +88,17 @@ class Frames:
             raise BadInput(f"{self.source}: timestep {lacking} has no frame within half a frame of its time")
         wanted, places = np.unique(numbers[steps], return_inverse=True)
         with reading(self.source, "images"):
-            images = [as_rgb(image, self.source) for image in self.load(wanted.tolist())]
+            images = [_as_rgb(image, self.source) for image in self.load(wanted.tolist())]
             if len(images) != len(wanted):
                 raise BadInput(f"{self.source}: asked for {len(wanted)} frames, found {len(images)}")
             stack = np.stack(images)[places]
         return stack[..., ::-1] if self.bgr else stack
 
 
-def as_rgb(image: Image, where: str) -> np.ndarray:
-    """Turn encoded bytes or an array in HWC, CHW or HW order into (height, width, 3) uint8.
-
-    Raises:
-        BadInput: another dtype or shape.
-    """
+def _as_rgb(image: Image, where: str) -> np.ndarray:
+    """Encoded bytes, or an array in HWC, CHW or HW order, as (height, width, 3) uint8."""
     if isinstance(image, bytes | np.void) or (image.dtype == np.uint8 and image.ndim == 1):
-        return decode_image(image if isinstance(image, bytes) else image.tobytes())
+        return _decode_image(image if isinstance(image, bytes) else image.tobytes())
     if image.dtype != np.uint8 or image.ndim not in (2, 3):
         raise BadInput(f"image in {where}: found {image.dtype} {image.shape}; expected uint8, HWC, CHW or HW")
     if image.ndim == 2:
@@ -114,7 +110,7 @@ def as_rgb(image: Image, where: str) -> np.ndarray:
     return image
 
 
-def decode_image(data: bytes) -> np.ndarray:
+def _decode_image(data: bytes) -> np.ndarray:
     """Decode a JPEG or PNG to (height, width, 3) uint8, red first; zero padding behind the image is ignored."""
     with Pillow.open(io.BytesIO(data), formats=IMAGES) as image:
         return np.asarray(image.convert("RGB"))

@@ -48,28 +48,16 @@ class Remote:
     files: Mapping[str, int]  # name -> bytes
 
 
-def check_revision(revision: str) -> str:
-    """Accept a full commit and nothing else: a branch or a tag can move.
-
-    >>> check_revision("main")
-    Traceback (most recent call last):
-    move.errors.BadInput: revision 'main': allowed is a full commit of 40 hexadecimal digits
-    """
+def _check_revision(revision: str) -> str:
+    """Accept a full commit and nothing else: a branch or a tag can move."""
     if not re.fullmatch(r"[0-9a-f]{40}", revision):
         raise BadInput(f"revision {revision!r}: allowed is a full commit of 40 hexadecimal digits")
     return revision
 
 
 @contextmanager
-def plainly(repo_id: str, revision: str | None, endpoint: str) -> Iterator[None]:
-    """Turn what the Hub's client raises into one line that says what to do.
-
-    Args:
-        endpoint: the address that is asked, for the message.
-
-    Raises:
-        BadInput: gated, missing, wrong revision, no network, an answer of another kind, or no room on the disk.
-    """
+def _plainly(repo_id: str, revision: str | None, endpoint: str) -> Iterator[None]:
+    """Turn what the Hub's client raises into one line that says what to do."""
     try:
         yield
     except BadInput:
@@ -94,8 +82,7 @@ def list_remote(repo_id: str, revision: str | None, folder: Path, *, log: Log = 
     """List a repository at one commit; fetch nothing.
 
     The listing is kept as `SOURCE.json` under `folder/<owner>--<name>/<commit>/`, so a pinned commit that was
-    listed once needs no network again. Only a listing that was judged is kept, and one that is not as it was kept is
-    asked for again.
+    listed once needs no network again.
 
     Args:
         repo_id: owner/name of a data set.
@@ -104,18 +91,18 @@ def list_remote(repo_id: str, revision: str | None, folder: Path, *, log: Log = 
         log: takes one line of progress.
 
     Raises:
-        BadInput: see `check_revision`, `plainly` and `_judged`.
+        BadInput: no full commit, no network, a data set that is missing or gated, or an answer that is no listing.
     """
     home = folder / safe_name(repo_id, "the repository name").replace("/", "--")
-    files = _kept(home / check_revision(revision) / LISTING) if revision else None
+    files = _kept(home / _check_revision(revision) / LISTING) if revision else None
     if revision is None or files is None:
         api = HfApi()
-        with plainly(repo_id, revision, api.endpoint):
+        with _plainly(repo_id, revision, api.endpoint):
             about = api.dataset_info(repo_id, revision=revision, files_metadata=True, timeout=TIMEOUT_S)
             files = _judged(((file.rfilename, file.size) for file in about.siblings or ()),
                             f"{repo_id}@{revision or 'newest'} ({api.endpoint})")
         if revision is None:
-            revision = check_revision(str(about.sha))
+            revision = _check_revision(str(about.sha))
             log(f"{repo_id}: newest commit is {revision}; pin it to read the same data again")
     remote = Remote(repo_id, revision, home / revision, files)
     with written_aside(remote.folder / LISTING) as beside:
@@ -125,11 +112,7 @@ def list_remote(repo_id: str, revision: str | None, folder: Path, *, log: Log = 
 
 
 def _judged(rows: Iterable[tuple[object, object]], where: str) -> dict[str, int]:
-    """The names and sizes of a listing.
-
-    Raises:
-        BadInput: no file at all, too many, a name that leaves the folder, or a value of the wrong type.
-    """
+    """The names and sizes of a listing, if they are such."""
     files: dict[str, int] = {}
     for name, size in rows:
         if not isinstance(name, str) or type(size) is not int or size < 0:
@@ -159,8 +142,7 @@ def fetch(remote: Remote, names: Sequence[str], *, size_cap_gb: float, log: Log 
             are larger than this, in 10^9 bytes.
 
     Raises:
-        BadInput: a name or size that is not as listed, above the cap, what `plain_files` refuses,
-            or see `plainly`.
+        BadInput: a name or size that is not as listed, above the cap, no network, or no room on the disk.
     """
     sizes, api = remote.files, HfApi()
     where = f"{remote.repo_id}@{remote.revision[:8]} ({api.endpoint})"
@@ -177,7 +159,7 @@ def fetch(remote: Remote, names: Sequence[str], *, size_cap_gb: float, log: Log 
 
     def one(name: str) -> str:
         path = inside(remote.folder, name)
-        with plainly(remote.repo_id, remote.revision, api.endpoint):
+        with _plainly(remote.repo_id, remote.revision, api.endpoint):
             api.hf_hub_download(remote.repo_id, name, repo_type="dataset", revision=remote.revision,
                                 local_dir=remote.folder, force_download=path.exists())
         if not is_here(name):

@@ -127,12 +127,8 @@ def by_size(quantity: str, largest: float) -> str:
     return next((unit for low, high, unit in RANGES[quantity] if low <= largest <= high), "unknown")
 
 
-def by_rate(steps: float) -> str | None:
-    """Unit of time in which a median step is one of the stated rate, to 10 %; None: in none.
-
-    >>> by_rate(1.0), by_rate(1000.4), by_rate(100.0)
-    ('s', 'ms', None)
-    """
+def _by_rate(steps: float) -> str | None:
+    """Unit of time in which a median step, times the stated rate, is 1 to 10 %; None: in none."""
     return next((unit for unit, seconds in TIME.items() if abs(steps * seconds - 1) <= 0.1), None)
 
 
@@ -146,7 +142,7 @@ def _row(about: Recording, quantity: str, values: np.ndarray, given: Mapping[str
 
     if quantity in given:
         return row(given[quantity], "units file")
-    if quantity == "time" and about.fps and (stated := by_rate(largest * about.fps)):
+    if quantity == "time" and about.fps and (stated := _by_rate(largest * about.fps)):
         return row(stated, "the stated rate")
     sized, hint, by = by_size(quantity, largest), about.hints.get(quantity), "names"
     if quantity == "gripper" and hint is None and _IN_PER_CENT.search(about.robot or ""):

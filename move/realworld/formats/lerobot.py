@@ -42,7 +42,7 @@ NUMBERING = ("episode_index", "frame_index", "index")
 pa.set_memory_pool(pa.system_memory_pool())  # Arrow's own keeps address space that `move.untrusted` would not count
 
 
-class Info(BaseModel):
+class _Info(BaseModel):
     """What is needed of `meta/info.json`; `null` stands for what is not told."""
 
     codebase_version: str
@@ -68,7 +68,7 @@ def episodes(part: Part) -> list[EpisodeRef]:
 
     `meta/episodes.jsonl` or `meta/episodes/` holds them, or, where v2.1 lacks that file, the parquet files' names do.
     """
-    info = read_info(part)
+    info = _read_info(part)
     with reading(part.root, "the episode table of a LeRobot data set"):
         rows = _rows_v2(part) if part.layout == V2 else _rows_v3(part)
         refs = [_ref(part, info, row) for row in sorted(rows, key=lambda row: _whole(row, "episode_index"))]
@@ -102,7 +102,7 @@ def _rows_v3(part: Part) -> list[dict[str, Any]]:
     return rows
 
 
-def _ref(part: Part, info: Info, row: dict[str, Any]) -> EpisodeRef:
+def _ref(part: Part, info: _Info, row: dict[str, Any]) -> EpisodeRef:
     """Turn one row of the episode table into a reference: the table's path, and of each camera path and start (s)."""
     index = _whole(row, "episode_index")
 
@@ -125,22 +125,18 @@ def _ref(part: Part, info: Info, row: dict[str, Any]) -> EpisodeRef:
 
 def read(part: Part, ref: EpisodeRef) -> Recording:
     """Read one episode; videos are opened only when frames are asked for."""
-    info, path = read_info(part), inside(part.root, ref.place["data"])
+    info, path = _read_info(part), inside(part.root, ref.place["data"])
     with reading(path, "a parquet table of LeRobot episodes"):
         table = _read_table(path, info.cameras("image"), episode=ref.index if part.layout == V3 else None)
         return _recording(part, ref, info, table, path)
 
 
-def read_info(part: Part) -> Info:
-    """Read `meta/info.json` and check its version.
-
-    Raises:
-        BadInput: missing, not JSON, another version than its files are of, or a value of the wrong type.
-    """
+def _read_info(part: Part) -> _Info:
+    """Read `meta/info.json` and check its version."""
     path, version = inside(part.root, "meta/info.json"), part.layout.removeprefix("lerobot_")
     content = read_json(path, "the info.json of a LeRobot data set")
     try:
-        info = Info.model_validate(content)
+        info = _Info.model_validate(content)
     except ValidationError as error:
         raise BadInput(f"{path}: {first_problem(error)}; found keys {sorted(content)[:12]}") from error
     if not info.codebase_version.startswith(version):
@@ -161,15 +157,7 @@ def _names_of(feature: Mapping[str, Any]) -> list[str]:
 
 
 def _read_table(path: Path, images: Sequence[str], *, episode: int | None = None) -> pa.Table:
-    """The columns of numbers and of images, in the order of the file; statistics are left out.
-
-    Args:
-        episode: read only the rows whose `episode_index` is this.
-
-    Raises:
-        BadInput: more rows than allowed, something else than numbers where they are needed, or no column
-            `episode_index` where one is needed.
-    """
+    """The columns of numbers and of images, in the order of the file, of one episode or of all."""
     about = pq.read_metadata(path)
     within("rows", about.num_rows, path)
     kinds = {field.name: field.type for field in about.schema.to_arrow_schema()}
@@ -207,7 +195,7 @@ def _image_frames(part: Part, table: pa.Table, key: str, source: Path) -> Frames
     return from_files([inside(part.root, cell["path"] if isinstance(cell, dict) else cell) for cell in cells])
 
 
-def _recording(part: Part, ref: EpisodeRef, info: Info, table: pa.Table, source: Path) -> Recording:
+def _recording(part: Part, ref: EpisodeRef, info: _Info, table: pa.Table, source: Path) -> Recording:
     """Turn the rows of one episode into a recording, in the order of `frame_index`."""
     notes = []
     there = table.column_names
