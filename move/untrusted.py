@@ -14,28 +14,33 @@ import stat
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, fields, replace
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from move.errors import BadInput
+from move.validation import first_problem
 
 VARIABLE = "MOVE_LIMITS"
 _KINDS = {stat.S_IFLNK: "a symbolic link", stat.S_IFIFO: "a pipe", stat.S_IFSOCK: "a socket",
           stat.S_IFCHR: "a device", stat.S_IFBLK: "a device"}
 
+Limit = Annotated[float, Field(ge=1, allow_inf_nan=False)]
 
-@dataclass(frozen=True)
-class Limits:
+
+class Limits(BaseModel):
     """How much of a data set is read; the environment variable raises it: `MOVE_LIMITS=rows=5e6,files=1e6`."""
 
-    files: int = 200_000  # files and folders of a data set, names in a listing, chunks of an array
-    parts: int = 200  # sub data sets
-    episodes: int = 100_000  # of one part
-    rows: int = 2_000_000  # timesteps of one table, array or video
-    columns: int = 4_096  # numbers a timestep
-    text_bytes: int = 16_000_000  # one file of JSON or text
-    memory_bytes: int = 2_000_000_000  # address space that reading a data set may add to the process
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    files: Limit = 200_000  # files and folders of a data set, names in a listing, chunks of an array
+    parts: Limit = 200  # sub data sets
+    episodes: Limit = 100_000  # of one part
+    rows: Limit = 2_000_000  # timesteps of one table, array or video
+    columns: Limit = 4_096  # numbers a timestep
+    text_bytes: Limit = 16_000_000  # one file of JSON or text
+    memory_bytes: Limit = 2_000_000_000  # address space that reading a data set may add to the process
 
 
 def limits() -> Limits:
@@ -44,17 +49,13 @@ def limits() -> Limits:
     Raises:
         BadInput: the environment variable names no limit, or no number above 0.
     """
-    given = {}
-    for pair in filter(None, os.environ.get(VARIABLE, "").split(",")):
-        name, _, number = pair.partition("=")
-        try:
-            given[name.strip()] = int(float(number))
-        except (ValueError, OverflowError):
-            raise BadInput(f"{VARIABLE}: {pair!r} given; allowed is name=number, such as rows=5e6") from None
-    names = [field.name for field in fields(Limits)]
-    if wrong := [name for name, number in given.items() if name not in names or number < 1]:
-        raise BadInput(f"{VARIABLE}: {wrong[0]!r} given; allowed are numbers from 1 on for {', '.join(names)}")
-    return replace(Limits(), **given)
+    pairs = [pair.partition("=") for pair in os.environ.get(VARIABLE, "").split(",") if pair]
+    given = {name.strip(): number for name, _, number in pairs}
+    try:
+        return Limits.model_validate(given)
+    except ValidationError as error:
+        raise BadInput(f"{VARIABLE}: {first_problem(error)}; allowed: {', '.join(Limits.model_fields)}, such as "
+                       "rows=5e6") from error
 
 
 def within(limit: str, amount: int, where: object) -> None:
@@ -70,8 +71,8 @@ def within(limit: str, amount: int, where: object) -> None:
     allowed = getattr(limits(), limit)
     if amount > allowed:
         given = f"{amount:,}" if amount < 10**18 else "1e18 or more"
-        raise BadInput(f"{where}: {given} {limit.replace('_', ' ')}; allowed are {allowed:,}; {VARIABLE}={limit}=... "
-                       "allows more")
+        raise BadInput(f"{where}: {given} {limit.replace('_', ' ')}; allowed are {allowed:,.0f}; "
+                       f"{VARIABLE}={limit}=... allows more")
 
 
 @contextmanager
@@ -82,14 +83,14 @@ def bounded_memory(where: object) -> Iterator[None]:
         BadInput: what was done needs more.
     """
     soft, hard = resource.getrlimit(resource.RLIMIT_AS)
-    allowed = _address_space_bytes() + limits().memory_bytes
+    allowed = _address_space_bytes() + int(limits().memory_bytes)
     unbounded = sys.platform == "linux" and (soft == resource.RLIM_INFINITY or soft > allowed)
     try:
         if unbounded:  # else it is bounded already, by the caller or by whoever started the process
             resource.setrlimit(resource.RLIMIT_AS, (allowed, hard))
         yield
     except MemoryError as error:
-        raise BadInput(f"{where}: more than {limits().memory_bytes:,} bytes of memory needed; "
+        raise BadInput(f"{where}: more than {limits().memory_bytes:,.0f} bytes of memory needed; "
                        f"{VARIABLE}=memory_bytes=... allows more") from error
     finally:
         if unbounded:
@@ -146,13 +147,14 @@ def plain_files(folder: Path) -> list[str]:
         BadInput: something under it is neither a file nor a folder, or there is too much of it.
     """
     found: list[str] = []
-    seen, waiting = 0, [""]
+    seen, most, waiting = 0, limits().files, [""]
     while waiting:
         inner = waiting.pop()
         with reading(folder / inner, "a folder"), os.scandir(folder / inner) as entries:
             for entry in entries:
                 seen += 1
-                within("files", seen, folder)
+                if seen > most:
+                    within("files", seen, folder)
                 kind, name = entry.stat(follow_symlinks=False).st_mode, inner + entry.name
                 if stat.S_ISREG(kind):
                     found.append(name)
