@@ -61,7 +61,7 @@ $(LEROBOT)/ready:
 	$(LEROBOT)/bin/pip install --quiet 'lerobot>=0.4,<0.5'
 	@touch $@
 
-test-lerobot: $(READY) $(LEROBOT)/ready  ## LeRobot itself reads exports, trains on them, is tried (downloads 8 GB)
+test-lerobot: $(READY) $(LEROBOT)/ready  ## LeRobot itself reads exports and trains on them (downloads 8 GB)
 	$(BIN)/python tools/test_lerobot.py $(LEROBOT)/bin/python
 
 test-browser: $(READY)  ## run the tests that need Chromium: the site, and a notebook in JupyterLab

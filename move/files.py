@@ -1,8 +1,8 @@
 """Places to write to: refused before the work where nothing can be written, filled aside, then renamed into place.
 
-What is written aside lies beside its place as .NAME.HOST.PROCESS.part, and what it replaces as .NAME.HOST.PROCESS.old
-until the new one stands. A process that is killed leaves them there; the next one that writes to the same place puts
-them away: an old one goes back where the new one never came, everything else is removed.
+What is written aside lies next to its place as .NAME.HOST.PROCESS.part, and what it replaces as .NAME.HOST.PROCESS.old
+until the new one is in place. A process that is killed leaves them there; the next one that writes to the same place
+deletes them, or moves an old one back where the new one never came.
 """
 
 from __future__ import annotations
@@ -53,28 +53,32 @@ def refuse_existing(path: Path) -> None:
 
 @contextmanager
 def written_aside(path: Path) -> Iterator[Path]:
-    """A place beside `path`, renamed to `path` once all is written there; of what fails nothing stays.
+    """A place next to `path`, renamed to `path` once all is written there; of what fails nothing stays.
 
-    A file at `path` is replaced in one step. A folder there goes once the new one stands in its place: the caller has
-    made sure that it may.
+    A file at `path` is replaced in one step. A folder there is deleted once the new one is in its place: the caller
+    has made sure that it may be.
 
     Raises:
         BadInput: it cannot be written, as on a full disk.
     """
-    beside = _aside(path, "part")
+    beside, old = _aside(path, "part"), _aside(path, "old")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         put_away_remains(path)
         yield beside
-        _put(beside, path)
+        if path.is_dir():
+            os.replace(path, old)
+        os.replace(beside, path)
     except OSError as error:
         raise _cannot_write(path, error) from error
     finally:
         _remove(beside)
+        if os.path.lexists(old):
+            _settle(old, path)
 
 
 def put_away_remains(path: Path) -> None:
-    """Put away what a killed process of this machine left beside `path`."""
+    """Put away what a killed process of this machine left next to `path`."""
     _put_away(path.parent, re.escape(path.name))
 
 
@@ -86,31 +90,20 @@ def put_away_all_remains(folder: Path) -> None:
 def _put_away(folder: Path, names: str) -> None:
     left = re.compile(rf"\.({names})\.{re.escape(HOST)}\.(\d+)\.(part|old)")
     for found in list(folder.iterdir()) if folder.is_dir() else []:
-        match = left.fullmatch(found.name)
-        if match is None or _is_alive(int(match[2])):
-            continue
-        if match[3] == "old" and not os.path.lexists(folder / match[1]):
-            os.replace(found, folder / match[1])
-        else:
-            _remove(found)
+        if (match := left.fullmatch(found.name)) and not _is_alive(int(match[2])):
+            _settle(found, folder / match[1])
+
+
+def _settle(found: Path, path: Path) -> None:
+    """Move an old one back where the new one never came; delete everything else."""
+    if found.suffix == ".old" and not os.path.lexists(path):
+        os.replace(found, path)
+    else:
+        _remove(found)
 
 
 def _aside(path: Path, ending: str) -> Path:
     return path.with_name(f".{path.name}.{HOST}.{os.getpid()}.{ending}")
-
-
-def _put(beside: Path, path: Path) -> None:
-    if not path.is_dir():
-        os.replace(beside, path)
-        return
-    old = _aside(path, "old")
-    os.replace(path, old)
-    try:
-        os.replace(beside, path)
-    except OSError:
-        os.replace(old, path)
-        raise
-    _remove(old)
 
 
 def _remove(path: Path) -> None:
@@ -123,10 +116,10 @@ def _remove(path: Path) -> None:
 def _is_alive(process: int) -> bool:
     try:
         os.kill(process, 0)
-    except (ProcessLookupError, OverflowError):
-        return False
     except PermissionError:
         return True
+    except (ProcessLookupError, OverflowError):
+        return False
     return True
 
 

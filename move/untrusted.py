@@ -1,43 +1,46 @@
-"""What came from elsewhere is not trusted: only plain files inside its folder are read, and only so much of each.
+"""Data that came from elsewhere: only plain files are read, and reading them takes bounded memory.
 
 `plain_files` looks at a whole folder before anything in it is opened, so the readers need not know about links and
-pipes. `within` holds every number that a file declares against `Limits`, before what it announces is read.
+pipes. `reading` gives the libraries that parse files a limited address space, so that what a file announces, or
+decompresses to, ends in a refusal, however it is hidden. `within` holds counts against `Limits`, which bounds time.
 """
 
 from __future__ import annotations
 
 import json
 import os
+import resource
 import stat
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, fields, replace
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from move.errors import BadInput
+from move.validation import first_problem
 
 VARIABLE = "MOVE_LIMITS"
 _KINDS = {stat.S_IFLNK: "a symbolic link", stat.S_IFIFO: "a pipe", stat.S_IFSOCK: "a socket",
           stat.S_IFCHR: "a device", stat.S_IFBLK: "a device"}
 
+Limit = Annotated[float, Field(ge=1, allow_inf_nan=False)]
 
-@dataclass(frozen=True)
-class Limits:
-    """How much of a data set is read; the environment variable raises them: `MOVE_LIMITS=rows=5e6,pixels=1e8`."""
 
-    files: int = 200_000  # files and folders of a data set, names in a listing or an archive
-    depth: int = 40  # folders inside folders, groups inside groups, JSON values inside values
-    parts: int = 200  # sub data sets
-    episodes: int = 100_000  # of one part
-    rows: int = 2_000_000  # timesteps of one table, array or video
-    columns: int = 4_096  # numbers a timestep
-    chunks: int = 100_000  # of one array
-    chunk_bytes: int = 64_000_000  # one chunk of an array, decoded
-    json_bytes: int = 16_000_000  # one file of JSON or text, or a table's own description
-    image_bytes: int = 64_000_000  # one encoded image
-    pixels: int = 16_000_000  # one image or frame of a video
-    memory_bytes: int = 1_000_000_000  # everything held of a data set, and every table, array or stack of frames in it
+class Limits(BaseModel):
+    """How much of a data set is read; the environment variable raises it: `MOVE_LIMITS=rows=5e6,files=1e6`."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    files: Limit = 200_000  # files and folders of a data set, names in a listing, chunks of an array
+    parts: Limit = 200  # sub data sets
+    episodes: Limit = 100_000  # of one part
+    rows: Limit = 2_000_000  # timesteps of one table, array or video
+    columns: Limit = 4_096  # numbers a timestep
+    text_bytes: Limit = 16_000_000  # one file of JSON or text
+    memory_bytes: Limit = 2_000_000_000  # address space that reading a data set may add to the process
 
 
 def limits() -> Limits:
@@ -46,21 +49,17 @@ def limits() -> Limits:
     Raises:
         BadInput: the environment variable names no limit, or no number above 0.
     """
-    given = {}
-    for pair in filter(None, os.environ.get(VARIABLE, "").split(",")):
-        name, _, number = pair.partition("=")
-        try:
-            given[name.strip()] = int(float(number))
-        except (ValueError, OverflowError):
-            raise BadInput(f"{VARIABLE}: {pair!r} given; allowed is name=number, such as rows=5e6") from None
-    names = [field.name for field in fields(Limits)]
-    if wrong := [name for name, number in given.items() if name not in names or number < 1]:
-        raise BadInput(f"{VARIABLE}: {wrong[0]!r} given; allowed are numbers from 1 on for {', '.join(names)}")
-    return replace(Limits(), **given)
+    pairs = [pair.partition("=") for pair in os.environ.get(VARIABLE, "").split(",") if pair]
+    given = {name.strip(): number for name, _, number in pairs}
+    try:
+        return Limits.model_validate(given)
+    except ValidationError as error:
+        raise BadInput(f"{VARIABLE}: {first_problem(error)}; allowed: {', '.join(Limits.model_fields)}, such as "
+                       "rows=5e6") from error
 
 
-def within(limit: str, amount: int, where: object) -> int:
-    """Return an amount that is not above a limit.
+def within(limit: str, amount: int, where: object) -> None:
+    """Refuse an amount above a limit.
 
     Args:
         limit: a field of `Limits`.
@@ -71,44 +70,44 @@ def within(limit: str, amount: int, where: object) -> int:
     """
     allowed = getattr(limits(), limit)
     if amount > allowed:
-        shown = min(amount, 10**18)
-        given = f"{shown:,} {limit.replace('_', ' ')}" + (" or more" if shown < amount else "")
-        raise BadInput(f"{where}: {given}; allowed are {allowed:,} ({VARIABLE}={limit}={shown} raises it)")
-    return amount
+        given = f"{amount:,}" if amount < 10**18 else "1e18 or more"
+        raise BadInput(f"{where}: {given} {limit.replace('_', ' ')}; allowed are {allowed:,.0f}; "
+                       f"{VARIABLE}={limit}=... allows more")
 
 
-def plain_files(folder: Path) -> dict[str, int]:
-    """Names (relative, with forward slashes, sorted) and sizes in bytes of all files under a folder.
-
-    Folders whose name begins with a dot are left out, and nothing in them is read. The folder itself may be given by a
-    symbolic link. Only names are looked at: nothing is opened.
+@contextmanager
+def bounded_memory(where: object) -> Iterator[None]:
+    """Let the process take at most `memory_bytes` more address space than it has now; on Linux, which counts it.
 
     Raises:
-        BadInput: something under it is neither a file nor a folder, or there is too much of it.
+        BadInput: what was done needs more.
     """
-    found: dict[str, int] = {}
-    seen, waiting = 0, [("", 0)]
-    while waiting:
-        inner, depth = waiting.pop()
-        within("depth", depth, f"{folder}/{inner}: folders inside folders")
-        with os.scandir(folder / inner) as entries:
-            for entry in entries:
-                seen = within("files", seen + 1, folder)
-                about, name = entry.stat(follow_symlinks=False), inner + entry.name
-                if stat.S_ISREG(about.st_mode):
-                    found[name] = about.st_size
-                elif not stat.S_ISDIR(about.st_mode):
-                    kind = _KINDS.get(stat.S_IFMT(about.st_mode), "no plain file")
-                    raise BadInput(f"{folder}/{name} is {kind}; inside a data set only plain files and folders are "
-                                   "read (`cp -rL` makes them of links)")
-                elif not entry.name.startswith("."):
-                    waiting.append((f"{name}/", depth + 1))
-    return dict(sorted(found.items()))
+    soft, hard = resource.getrlimit(resource.RLIMIT_AS)
+    allowed = _address_space_bytes() + int(limits().memory_bytes)
+    unbounded = sys.platform == "linux" and (soft == resource.RLIM_INFINITY or soft > allowed)
+    try:
+        if unbounded:  # else it is bounded already, by the caller or by whoever started the process
+            resource.setrlimit(resource.RLIMIT_AS, (allowed, hard))
+        yield
+    except MemoryError as error:
+        raise BadInput(f"{where}: more than {limits().memory_bytes:,.0f} bytes of memory needed; "
+                       f"{VARIABLE}=memory_bytes=... allows more") from error
+    finally:
+        if unbounded:
+            resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
+
+
+def _address_space_bytes() -> int:
+    """How much the process has now; 0 where the system does not say it."""
+    try:
+        return int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+    except OSError:
+        return 0
 
 
 @contextmanager
 def reading(path: Path | str, expected: str) -> Iterator[None]:
-    """Turn whatever a file library raises into one line that names the file and what was expected of it.
+    """Read a file within `bounded_memory`; whatever a library raises becomes one line that names the file.
 
     Args:
         path: the file that is read inside the `with` block.
@@ -118,7 +117,8 @@ def reading(path: Path | str, expected: str) -> Iterator[None]:
         BadInput: anything went wrong inside the block.
     """
     try:
-        yield
+        with bounded_memory(path):
+            yield
     except BadInput:
         raise
     except Exception as error:  # file libraries raise dozens of types; all mean "this file is not what it should be"
@@ -137,14 +137,43 @@ def _is_pointer(path: Path) -> bool:
         return False
 
 
+def plain_files(folder: Path) -> list[str]:
+    """Names (relative, with forward slashes, sorted) of all files under a folder.
+
+    Folders whose name begins with a dot are left out, and nothing in them is read. The folder itself may be given by a
+    symbolic link. Only names are looked at: nothing is opened.
+
+    Raises:
+        BadInput: something under it is neither a file nor a folder, or there is too much of it.
+    """
+    found: list[str] = []
+    seen, most, waiting = 0, limits().files, [""]
+    while waiting:
+        inner = waiting.pop()
+        with reading(folder / inner, "a folder"), os.scandir(folder / inner) as entries:
+            for entry in entries:
+                seen += 1
+                if seen > most:
+                    within("files", seen, folder)
+                kind, name = entry.stat(follow_symlinks=False).st_mode, inner + entry.name
+                if stat.S_ISREG(kind):
+                    found.append(name)
+                elif not stat.S_ISDIR(kind):
+                    raise BadInput(f"{folder}/{name} is {_KINDS.get(stat.S_IFMT(kind), 'no plain file')}; inside a "
+                                   "data set only plain files and folders are read (`cp -rL` makes them of links)")
+                elif not entry.name.startswith("."):
+                    waiting.append(f"{name}/")
+    return sorted(found)
+
+
 def read_text(path: Path) -> str:
     """A text file that is not too long."""
-    within("json_bytes", path.stat().st_size, path)
+    within("text_bytes", path.stat().st_size, path)
     return path.read_text(encoding="utf-8")
 
 
-def parse_json(text: str | bytes, where: object) -> dict[str, Any]:
-    """Parse a JSON object that is not nested too deep, each of its keys once.
+def parse_json(text: str, where: object) -> dict[str, Any]:
+    """Parse a JSON object, each of its keys once.
 
     Raises:
         BadInput: something else.
@@ -153,12 +182,6 @@ def parse_json(text: str | bytes, where: object) -> dict[str, Any]:
         content = json.loads(text, object_pairs_hook=_each_key_once)
         if not isinstance(content, dict):
             raise BadInput(f"cannot read {where}: expected a JSON object; found a JSON {type(content).__name__}")
-        level: list[Any] = [content]
-        depth = 0
-        while level:
-            depth = within("depth", depth + 1, f"{where}: JSON values inside values")
-            level = [inner for value in level for inner in (value.values() if isinstance(value, dict) else value)
-                     if isinstance(inner, dict | list)]
         return content
 
 
@@ -176,7 +199,7 @@ def read_json(path: Path, expected: str) -> dict[str, Any]:
     """Read a JSON object.
 
     Raises:
-        BadInput: missing, not JSON, not an object, too long or too deep.
+        BadInput: missing, not JSON, not an object, or too long.
     """
     with reading(path, expected):
         return parse_json(read_text(path), path)

@@ -1,8 +1,8 @@
-"""YAML from somebody's hands: what JSON could hold as well, and nothing that is other than it looks.
+"""YAML from a reader's hands: what JSON could hold as well, and nothing that is other than it looks.
 
 Scalars are YAML 1.2's: 10 is a number, while 010, 0x10, 1:40, on, yes and 2024-10-01 are texts, which YAML 1.1 reads as
-8, 16, 100, true, true and a date. Aliases are refused, for a few of them stand for gigabytes; so are tags, keys that
-stand twice, nesting deeper than anybody writes, and texts that were meant as numbers.
+8, 16, 100, true, true and a date. Aliases are refused, for a few of them stand for gigabytes; so are tags, equal keys,
+and texts that were meant as numbers.
 """
 
 from __future__ import annotations
@@ -15,7 +15,6 @@ import yaml
 
 from move.errors import BadInput
 
-DEEPEST = 20  # levels of lists and mappings
 LONGEST = 1_000_000  # characters
 YAML = "tag:yaml.org,2002:"
 TAGS = tuple(YAML + kind for kind in ("null", "bool", "int", "float", "str", "seq", "map"))
@@ -34,30 +33,22 @@ class _Loader(yaml.SafeLoader):
 
     yaml_constructors = {tag: yaml.SafeLoader.yaml_constructors[tag] for tag in (None, *TAGS)}
     yaml_implicit_resolvers = {None: [(YAML + kind, re.compile(rf"(?:{form})\Z")) for kind, form in SCALARS.items()]}
-    depth = 0
 
     def compose_node(self, parent: Any, index: Any) -> Any:
-        if self.check_event(yaml.events.AliasEvent):
-            raise yaml.composer.ComposerError(problem="an alias; allowed is to write it out", problem_mark=self._mark())
-        if (tag := getattr(self.peek_event(), "tag", None)) not in (None, "!"):
-            raise yaml.composer.ComposerError(problem=f"a tag, {tag}; allowed is none", problem_mark=self._mark())
-        self.depth += 1
-        if self.depth > DEEPEST:
-            raise yaml.composer.ComposerError(problem=f"deeper than {DEEPEST} levels", problem_mark=self._mark())
-        node = super().compose_node(parent, index)
-        self.depth -= 1
-        return node
-
-    def _mark(self) -> Any:
-        return self.peek_event().start_mark
+        event = self.peek_event()
+        if isinstance(event, yaml.AliasEvent):
+            raise yaml.composer.ComposerError(problem="aliases are not allowed", problem_mark=event.start_mark)
+        if (tag := getattr(event, "tag", None)) not in (None, "!"):
+            raise yaml.composer.ComposerError(problem=f"tags are not allowed: {tag}", problem_mark=event.start_mark)
+        return super().compose_node(parent, index)
 
     def construct_mapping(self, node: Any, deep: bool = False) -> dict[Any, Any]:
-        seen: set[str] = set()
-        for key in [key.value for key, _ in node.value if isinstance(key, yaml.ScalarNode)]:
-            if key in seen:
-                raise yaml.constructor.ConstructorError(problem=f"{key!r} stands twice", problem_mark=node.start_mark)
-            seen.add(key)
-        return super().construct_mapping(node, deep)
+        content = super().construct_mapping(node, deep)
+        if len(content) < len(node.value):
+            keys = [key.value for key, _ in node.value]
+            twice = next((key for number, key in enumerate(keys) if key in keys[:number]), keys[0])
+            raise yaml.constructor.ConstructorError(problem=f"{twice!r} stands twice", problem_mark=node.start_mark)
+        return content
 
 
 def read(text: str, where: str) -> Any:

@@ -1,16 +1,12 @@
 """Hostile data sets, each a small folder that asks for something it must not get.
 
-`REAL[name]` and `STORED[name]` are (the word that the refusal must hold, a function that writes the folder and returns
-what is to be opened): by `open_dataset`, and by `move train`'s reader.
+`REAL[name]` and `STORED[name]` are (what the refusal says, a function that writes into a folder and returns what is to
+be opened): by `open_dataset`, and by `move train`'s reader.
 """
 
-import io
-import json
 import os
 import shutil
-import socket
 import struct
-import zipfile
 import zlib
 from collections.abc import Callable
 from pathlib import Path
@@ -24,152 +20,115 @@ import real_writers as w
 import zarr
 from numcodecs import Blosc, Zstd
 
-Attack = tuple[str, Callable[[Path], Path]]
-REAL: dict[str, Attack] = {}
-STORED: dict[str, Attack] = {}
+Write = Callable[[Path], Path]
 SECRET = "root:x:0:0"
-VIDEO = "videos/chunk-000/observation.images.wrist/episode_000000.mp4"
+INFO, EPISODES = "meta/info.json", "meta/episodes.jsonl"
 TABLE = "data/chunk-000/episode_000000.parquet"
+VIDEO = "videos/chunk-000/observation.images.wrist/episode_000000.mp4"
+SYNC = "episode0/arm/jointState/puppet/sync.txt"
 
 
-def hostile(word: str, table: dict = REAL):
-    """Enter a function that writes a hostile data set into a table."""
-    def enter(write):
-        table[write.__name__.replace("_", " ")] = (word, write)
-        return write
+# how they are made ----------------------------------------------------------------------------------------------------
 
-    return enter
-
-
-def secret(folder: Path) -> Path:
-    """A file beside the data set that it must not get."""
-    path = folder.parent / "secret"
-    path.write_text(SECRET * 1000)
-    return path
-
-
-# what is no plain file ------------------------------------------------------------------------------------------------
-
-def linked(name: str, word: str, write: Callable[[Path], Path], part: str) -> None:
-    """A data set with one part of it moved outside and linked to."""
-    def make(folder: Path) -> Path:
-        write(folder)
-        outside = folder.parent / "outside"
-        shutil.move(folder / part, outside)
-        (folder / part).symlink_to(outside)
-        return folder
-
-    REAL[name] = (word, make)
-
-
-def with_video(folder: Path) -> Path:
+def v2(folder: Path) -> Path:
+    """One LeRobot v2.1 episode with a video."""
     return w.lerobot_v2(folder, codec="libx264", episodes=1)
 
 
-for part_name, writer, part in (
-        ("parquet", w.lerobot_v2, TABLE), ("data folder", w.lerobot_v2, "data"),
-        ("info.json", w.lerobot_v2, "meta/info.json"), ("video", with_video, VIDEO),
-        ("hdf5", w.act_hdf5, "episode_0.hdf5"),
-        ("zarr array", w.zarr_buffer, "replay_buffer.zarr/data/action"),
-        ("zarr chunk", w.zarr_buffer, "replay_buffer.zarr/data/action/0.0"),
-        ("pika sensor", w.pika_tree, "episode0/arm/jointState/puppet"),
-        ("sync.txt", w.pika_tree, "episode0/arm/jointState/puppet/sync.txt"),
-        ("image", w.pika_hdf5, "episode0/camera/color/cam/0.jpg"),
-):
-    linked(f"{part_name} that is a link", "symbolic link", writer, part)
+def changed(write: Write, change: Callable[[Path], object]) -> Write:
+    """A data set in which something is changed."""
+    def make(folder: Path) -> Path:
+        written = write(folder)
+        change(written)
+        return written
+
+    return make
 
 
-@hostile("symbolic link")
-def link_to_its_own_folder(folder):
-    w.lerobot_v2(folder)
-    (folder / "again").symlink_to(folder)
+def linked(write: Write, part: str) -> Write:
+    """A part of it lies elsewhere, and is a link."""
+    def move(folder: Path) -> None:
+        shutil.move(folder / part, folder.parent / "elsewhere")
+        (folder / part).symlink_to(folder.parent / "elsewhere")
+
+    return changed(write, move)
+
+
+def piped(write: Write, part: str) -> Write:
+    """A file of it is a pipe, which would be waited for."""
+    def make(folder: Path) -> None:
+        (folder / part).unlink()
+        os.mkfifo(folder / part)
+
+    return changed(write, make)
+
+
+def text(part: str, content: str, write: Write = v2) -> Write:
+    """A file of it holds something else."""
+    return changed(write, lambda folder: (folder / part).write_text(content))
+
+
+def many_parts(folder: Path) -> Path:
+    for number in range(201):
+        (folder / f"{number}/meta").mkdir(parents=True)
+        (folder / f"{number}/{INFO}").write_text("{}")
     return folder
 
 
-@hostile("a pipe")
-def pipe_for_a_parquet(folder):
-    w.lerobot_v2(folder)
-    (folder / TABLE).unlink()
-    os.mkfifo(folder / TABLE)
-    return folder
+def info(**change: object) -> Write:
+    """info.json says something else."""
+    return changed(v2, lambda folder: w.change_json(folder / INFO, **change))
 
 
-@hostile("a pipe")
-def pipe_for_the_info(folder):
-    w.lerobot_v2(folder)
-    (folder / "meta/info.json").unlink()
-    os.mkfifo(folder / "meta/info.json")
-    return folder
+def table(columns: dict) -> Write:
+    """The table of the one episode is another."""
+    return changed(v2, lambda folder: pq.write_table(pa.table(columns), folder / TABLE))
 
 
-@hostile("a socket")
-def socket_for_a_video(folder):
-    with_video(folder)
-    (folder / VIDEO).unlink()
-    here = os.getcwd()
-    os.chdir((folder / VIDEO).parent)  # a socket's own path may not be long
-    try:
-        with socket.socket(socket.AF_UNIX) as one:
-            one.bind(Path(VIDEO).name)
-    finally:
-        os.chdir(here)
-    return folder
+def images(given: list[dict]) -> Write:
+    """The images in the table are these."""
+    kind = pa.struct([("bytes", pa.binary()), ("path", pa.string())])
+
+    def change(folder: Path) -> None:
+        old = pq.read_table(folder / TABLE).drop_columns("observation.images.front")
+        pq.write_table(old.append_column("observation.images.front", pa.array(given, kind)), folder / TABLE)
+
+    return changed(lambda folder: w.lerobot_v2(folder, episodes=1, image_column=True), change)
 
 
-@hostile("folders inside folders")
-def deep_folders(folder):
-    w.lerobot_v2(folder)
-    (folder / "/".join("d" * 50)).mkdir(parents=True)
-    return folder
-
-
-# HDF5 -----------------------------------------------------------------------------------------------------------------
-
-def act(folder: Path, change: Callable[[h5py.File], object]) -> Path:
+def act(change: Callable[[h5py.File], object]) -> Write:
     """An ACT episode, changed."""
-    w.act_hdf5(folder)
-    with h5py.File(folder / "episode_0.hdf5", "a") as file:
-        change(file)
-    return folder
+    def make(folder: Path) -> None:
+        with h5py.File(folder / "episode_0.hdf5", "a") as file:
+            change(file)
+
+    return changed(w.act_hdf5, make)
 
 
-@hostile("another file")
-def hdf5_external_storage(folder):
-    outside = secret(folder)
-    return act(folder, lambda file: file.create_dataset("observations/images/two", (2, 4, 4, 3), np.uint8,
-                                                        external=[(str(outside), 0, 96)]))
+def replaced(name: str, **how: object) -> Write:
+    """A data set of an ACT episode is made anew."""
+    def change(file: h5py.File) -> None:
+        if name in file:
+            del file[name]
+        file.create_dataset(name, **how)
+
+    return act(change)
 
 
-@hostile("another file")
-def hdf5_virtual_data(folder):
-    with h5py.File(folder.parent / "other.h5", "w") as file:
-        file["x"] = np.zeros((6, 7))
+def virtual(file: h5py.File) -> None:
     layout = h5py.VirtualLayout((6, 7), np.float64)
-    layout[:] = h5py.VirtualSource(str(folder.parent / "other.h5"), "x", (6, 7))
-
-    def change(file):
-        del file["action"]
-        file.create_virtual_dataset("action", layout)
-
-    return act(folder, change)
+    layout[:] = h5py.VirtualSource("/etc/passwd", "x", (6, 7))
+    del file["action"]
+    file.create_virtual_dataset("action", layout)
 
 
-@hostile("links to another file")
-def hdf5_external_link(folder):
-    return act(folder, lambda file: file.__setitem__("observations/x", h5py.ExternalLink("/etc/passwd", "/x")))
+def soft_through_external(file: h5py.File) -> None:
+    file["zz"] = h5py.ExternalLink("/etc/passwd", "/")
+    del file["action"]
+    file["action"] = h5py.SoftLink("/zz/x")
 
 
-@hostile("links to another file")
-def hdf5_soft_link_through_an_external_link(folder):
-    def change(file):
-        file["zz"] = h5py.ExternalLink("/etc/passwd", "/")
-        del file["action"]
-        file["action"] = h5py.SoftLink("/zz/x")
-
-    return act(folder, change)
-
-
-def dag(file):
+def dag(file: h5py.File) -> None:
     """Twenty-six levels of two links to the same next group: 2 ** 26 ways, 27 groups."""
     below = file.create_group("g26")
     for level in range(25, -1, -1):
@@ -178,640 +137,213 @@ def dag(file):
         below = group
 
 
-@hostile("groups inside groups")
-def hdf5_deep_groups(folder):
-    return act(folder, lambda file: file.create_group("/".join("g" * 60)))
-
-
-@hostile("pixels")
-def hdf5_image_of_40000_pixels_a_side(folder):
-    return act(folder, lambda file: file.create_dataset("observations/images/big", (1, 40_000, 40_000, 3), np.uint8,
-                                                        chunks=(1, 64, 64, 3)))
-
-
-@hostile("rows")
-def hdf5_ten_thousand_million_rows(folder):
-    def change(file):
-        del file["action"]
-        file.create_dataset("action", (10**10, 7), np.float32, chunks=(10, 7))
-
-    return act(folder, change)
-
-
-@hostile("chunk bytes")
-def hdf5_huge_chunk(folder):
-    return act(folder, lambda file: file.create_dataset("x", (10**5, 10**4), np.float64, chunks=(10**4, 10**4)))
-
-
-@hostile("complex numbers")
-def hdf5_complex_numbers(folder):
-    def change(file):
-        del file["action"]
-        file["action"] = np.ones((6, 7), complex)
-
-    return act(folder, change)
-
-
-@hostile("expected numbers")
-def hdf5_texts_for_numbers(folder):
-    def change(file):
-        del file["observations/qpos"]
-        file["observations/qpos"] = np.array([["1.0"] * 7] * 6, dtype="S3")
-
-    return act(folder, change)
-
-
-@hostile("expected numbers")
-def hdf5_group_for_numbers(folder):
-    def change(file):
-        del file["observations/qpos"]
-        file.create_group("observations/qpos")
-
-    return act(folder, change)
-
-
-@hostile("leaves the data set")
-def hdf5_names_an_image_outside(folder):
-    return w.pika_hdf5(folder, image_name="../../../secret{}")
-
-
-@hostile("hidden folder")
-def hdf5_names_an_image_in_a_hidden_folder(folder):
-    (folder / "episode0/.h").mkdir(parents=True)
-    (folder / "episode0/.h/0").symlink_to("/etc/passwd")
-    shutil.move(folder / "episode0/.h", folder / ".kept")
-    shutil.rmtree(folder)
-    return w.pika_hdf5(folder, image_name=".h/{}")
-
-
-# LeRobot --------------------------------------------------------------------------------------------------------------
-
-INFO = {
-    "chunks size a text": ({"chunks_size": "abc"}, "chunks_size"), "chunks size 0": ({"chunks_size": 0}, "chunks_size"),
-    "features a list": ({"features": ["x"]}, "features"), "feature a text": ({"features": {"action": "x"}}, "features"),
-    "no features": ({"features": None}, "features"), "data path a number": ({"data_path": 5}, "data_path"),
-    "data path a list": ({"data_path": ["x"]}, "data_path"), "fps a text": ({"fps": "fast"}, "fps"),
-    "fps true": ({"fps": True}, "fps"),
-    "chunks size true": ({"chunks_size": True}, "chunks_size"),
-    "a robot with markup": ({"robot_type": "piper<img src=x>"}, "markup"),
-    "a robot turned round": ({"robot_type": "piper\u202eabc"}, "control characters"),
-    "fps below 0": ({"fps": -1}, "fps"), "video path a mapping": ({"video_path": {}}, "video_path"),
-    "version a number": ({"codebase_version": 2.1}, "codebase_version"),
-    "a name as a number": ({"video_path": "videos/{video_key:03d}.mp4"}, "as a number"),
-    "a field of an object": ({"data_path": "{episode_index.__class__}"}, "path template"),
-    "data path outside": ({"data_path": "../{episode_index:06d}.parquet"}, "leaves the data set"),
-    "data path absolute": ({"data_path": "/etc/{episode_index}"}, "leaves the data set"),
-    "data path hidden": ({"data_path": ".git/{episode_index}"}, "hidden folder"),
-}
-
-
-def informed(change: dict) -> Callable[[Path], Path]:
-    """A LeRobot v2.1 data set whose info.json says something else."""
-    def make(folder: Path) -> Path:
-        with_video(folder)
-        path = folder / "meta/info.json"
-        path.write_text(json.dumps(json.loads(path.read_text()) | change))
-        return folder
-
-    return make
-
-
-for info_name, (info_change, info_word) in INFO.items():
-    REAL[f"info.json: {info_name}"] = (info_word, informed(info_change))
-
-TEXTS = {
-    "chunks size endless": ('{"codebase_version": "v2.1", "features": {}, "chunks_size": 1e999}', "chunks_size"),
-    "fps endless": ('{"codebase_version": "v2.1", "features": {}, "fps": 1e999}', "fps"), "null": ("null", "NoneType"),
-    "a number": ("5", "JSON int"), "nothing": ("", "expected"), "deep": ("[" * 100_000, "RecursionError"),
-    "rather deep": ('{"features":' + "[" * 60 + "]" * 60 + "}", "values inside values"),
-    "17 MB of blanks": (" " * 17_000_000, "json bytes"), "no text": ("\udcff", "expected"),
-}
-
-
-def worded(name: str, text: str) -> Callable[[Path], Path]:
-    """A LeRobot v2.1 data set with a text in place of a file."""
-    def make(folder: Path) -> Path:
-        w.lerobot_v2(folder)
-        (folder / name).write_bytes(text.encode(errors="surrogateescape"))
-        return folder
-
-    return make
-
-
-for text_name, (text, text_word) in TEXTS.items():
-    REAL[f"info.json: {text_name}"] = (text_word, worded("meta/info.json", text))
-for text_name, (text, text_word) in {
-        "a list": ("[1]", "JSON list"), "a text for a length": ('{"episode_index": 0, "length": "x"}', "length is 'x'"),
-        "a huge length": (f'{{"episode_index": 0, "length": {10**400}}}', "rows"),
-        "a huge number": (f'{{"episode_index": {10**4000}, "length": 1}}', "characters"),
-        "endless": ('{"episode_index": 1e999, "length": 1}', "whole number"),
-        "a part of a length": ('{"episode_index": 0, "length": 5.5}', "whole number"),
-        "true for a number": ('{"episode_index": true, "length": 6}', "whole number"),
-        "one twice": ('{"episode_index": 0, "length": 6}\n' * 2, "episode 0 is listed twice"),
-        "a key twice": ('{"episode_index": 0, "length": 6, "length": 7}', "'length' is given twice"),
-        "too many": ('{"episode_index": 0, "length": 1}\n' * 100_001, "episodes"),
-}.items():
-    REAL[f"episodes.jsonl: {text_name}"] = (text_word, worded("meta/episodes.jsonl", text))
-for text_name, text in {"a text": '"x"', "0": "0", "endless": "1e999", "huge": str(10**400), "true": "true",
-                        "null": "null"}.items():
-    REAL[f"SIMULATED.json: metres_per_pixel {text_name}"] = (
-        "metres_per_pixel", worded("SIMULATED.json", f'{{"simulated": true, "metres_per_pixel": {text}}}'))
-
-
-@hostile("episode 1 is listed twice")
-def episodes_table_with_one_twice(folder):
-    w.lerobot_v3(folder)
-    path = folder / "meta/episodes/chunk-000/file-000.parquet"
-    rows = pq.read_table(path)
-    pq.write_table(pa.concat_tables([rows, rows.slice(1, 1)]), path)
-    return folder
-
-
-@hostile("name 'aaaa.* has 5000 characters")
-def very_long_name_in_a_template(folder):
-    return informed({"data_path": "a" * 5000})(folder)
-
-
-def table(folder: Path, columns: dict, **options) -> Path:
-    """A LeRobot v2.1 data set of one episode with another table."""
-    w.lerobot_v2(folder, episodes=1)
-    pq.write_table(pa.table(columns), folder / TABLE, **options)
-    return folder
-
-
-def one_row_of_many(values: int) -> pa.Array:
-    return pa.ListArray.from_arrays(pa.array([0, values]), pa.array(np.zeros(values, np.int8)))
-
-
-@hostile("rows")
-def parquet_of_three_million_rows(folder):
-    return table(folder, {"action": np.zeros(3_000_000, np.int8)})
-
-
-@hostile("columns")
-def parquet_row_of_10000_numbers(folder):
-    return table(folder, {"action": one_row_of_many(10_000)})
-
-
-@hostile("expected numbers")
-def parquet_texts_for_numbers(folder):
-    return table(folder, {"observation.state": ["1", "2"], "action": [["x"], ["y"]]})
-
-
-@hostile("expected numbers")
-def parquet_of_time_as_text(folder):
-    w.lerobot_v2(folder, episodes=1)
-    w.change_table(folder / TABLE, timestamp=[f"0.{n}" for n in range(w.STEPS)])
-    return folder
-
-
-@hostile("expected numbers")
-def parquet_of_true_and_false(folder):
-    return table(folder, {"observation.state": pa.array([[True] * 7] * 6)})
-
-
-@hostile("at least one timestep")
-def parquet_without_columns_in_the_action(folder):
-    return table(folder, {"action": pa.array([[], []], pa.list_(pa.float32()))})
-
-
-@hostile("expected")
-def parquet_that_is_json(folder):
-    w.lerobot_v2(folder, episodes=1)
-    (folder / TABLE).write_text("{}")
-    return folder
-
-
-@hostile("json bytes")
-def parquet_with_a_long_footer(folder):
-    w.lerobot_v2(folder, episodes=1)
-    with (folder / TABLE).open("r+b") as file:
-        file.truncate(10**9)
-        file.seek(-8, 2)
-        file.write(struct.pack("<I", 10**9 - 100) + b"PAR1")
-    return folder
-
-
-def imaged(folder: Path, images: list) -> Path:
-    """A LeRobot v2.1 data set whose images are in its table."""
-    w.lerobot_v2(folder, episodes=1, image_column=True)
-    old = pq.read_table(folder / TABLE)
-    kind = pa.struct([("bytes", pa.binary()), ("path", pa.string())])
-    pq.write_table(old.set_column(old.column_names.index("observation.images.front"), "observation.images.front",
-                                  pa.array(images, kind)), folder / TABLE)
-    return folder
-
-
-@hostile("leaves the data set")
-def parquet_names_an_image_outside(folder):
-    return imaged(folder, [{"bytes": None, "path": "/etc/passwd"}] * w.STEPS)
-
-
-@hostile("expected images")
-def images_of_two_sizes(folder):
-    sizes = [8, 9, 8, 9, 8, 9]
-    return imaged(folder, [{"bytes": png(size, size, rows=size), "path": None} for size in sizes])
-
-
-@hostile("pixels")
-def png_of_20000_pixels_a_side(folder):
-    return imaged(folder, [{"bytes": png(20_000, 20_000, rows=3), "path": None}] * w.STEPS)
-
-
-@hostile("expected images")
-def playlist_for_an_image(folder):
-    return imaged(folder, [{"bytes": b"#EXTM3U\n#EXTINF:1,\nfile:///etc/passwd\n", "path": None}] * w.STEPS)
-
-
-@hostile("image bytes")
-def image_file_of_a_million_million_bytes(folder):
-    w.pika_hdf5(folder)
-    os.truncate(folder / "episode0/camera/color/cam/0.jpg", 10**12)
-    return folder
-
-
-def png(width: int, height: int, rows: int) -> bytes:
+def png(side: int, rows: int) -> bytes:
     """A black PNG whose data end after some rows."""
     def piece(kind: bytes, data: bytes) -> bytes:
         return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
 
-    head = struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0)
-    data = zlib.compress(bytes((width + 1) * rows))
+    head = struct.pack(">IIBBBBB", side, side, 8, 0, 0, 0, 0)
+    data = zlib.compress(bytes((side + 1) * rows))
     return b"\x89PNG\r\n\x1a\n" + piece(b"IHDR", head) + piece(b"IDAT", data) + piece(b"IEND", b"")
 
 
-@hostile("expected")
-def video_whose_frames_are_larger_than_it_says(folder):
-    with_video(folder)
+def avi(folder: Path) -> None:
+    with av.open(str(folder / VIDEO), "w", format="avi") as container:
+        stream = container.add_stream("mpeg4", rate=10)
+        stream.width = stream.height = 64
+        container.mux(stream.encode(av.VideoFrame.from_ndarray(w.grey(0), format="rgb24")))
+        container.mux(stream.encode())
+
+
+def larger_frames(folder: Path) -> None:
+    """A video of 64 pixels a side whose frames have 13,000."""
     with av.open(str(folder / VIDEO), "w", format="mov") as container:
         stream = container.add_stream("png", rate=10)
         stream.width = stream.height = 64
         stream.pix_fmt = "gray"
         for packet in stream.encode(av.VideoFrame.from_ndarray(np.zeros((64, 64), np.uint8), format="gray")):
-            large = av.Packet(png(12_000, 12_000, rows=12_000))
+            large = av.Packet(png(13_000, rows=13_000))
             large.pts, large.dts, large.time_base, large.stream = packet.pts, packet.dts, packet.time_base, stream
             container.mux(large)
-    return folder
 
 
-@hostile("expected")
-def video_in_another_container(folder):
-    with_video(folder)
-    with av.open(str(folder / VIDEO), "w", format="avi") as container:
-        stream = container.add_stream("mpeg4", rate=10)
-        stream.width = stream.height = 64
-        container.mux(stream.encode(av.VideoFrame.from_ndarray(np.zeros((64, 64, 3), np.uint8), format="rgb24")))
-        container.mux(stream.encode())
-    return folder
-
-
-@hostile("expected")
-def list_of_files_for_a_video(folder):
-    with_video(folder)
-    (folder / VIDEO).write_text("ffconcat version 1.0\nfile ../../../../secret\n")
-    return folder
-
-
-@hostile("parts")
-def too_many_parts(folder):
-    for number in range(201):
-        (folder / f"{number}/meta").mkdir(parents=True)
-        (folder / f"{number}/meta/info.json").write_text("{}")
-    return folder
-
-
-# Pika -----------------------------------------------------------------------------------------------------------------
-
-def synced(line: str) -> Callable[[Path], Path]:
-    """A Pika raw tree whose sync.txt names something else first."""
-    def make(folder: Path) -> Path:
-        w.pika_tree(folder)
-        path = folder / "episode0/arm/jointState/puppet/sync.txt"
-        path.write_text("\n".join([line, *path.read_text().splitlines()[1:]]))
-        return folder
-
-    return make
-
-
-REAL["sync.txt names a file outside"] = ("leaves the data set", synced("../../../../../secret"))
-REAL["sync.txt names an absolute file"] = ("leaves the data set", synced("/etc/passwd"))
-REAL["sync.txt names a missing file"] = ("expected", synced("5.json"))
-
-
-def sensed(text: str) -> Callable[[Path], Path]:
-    """A Pika raw tree with one reading that is something else."""
-    def make(folder: Path) -> Path:
-        w.pika_tree(folder)
-        next(iter((folder / "episode0/arm/jointState/puppet").glob("*.json"))).write_text(text)
-        return folder
-
-    return make
-
-
-REAL["a reading that is a list"] = ("JSON list", sensed("[1]"))
-REAL["a reading without its value"] = ("KeyError", sensed("{}"))
-REAL["a reading of true and false"] = ("expected numbers", sensed('{"position": [true, 0, 0, 0, 0, 0, 0]}'))
-REAL["a reading with a key twice"] = ("given twice", sensed('{"position": [1], "position": [2]}'))
-REAL["a reading of texts"] = ("expected", sensed('{"position": ["a"]}'))
-
-
-# names that a reader would see ---------------------------------------------------------------------------------------
-
-NAMES = {"an image": "static<img src=x onerror=alert(1)>", "an entity": "static&lt;b", "a quote": 'static"x',
-         "an apostrophe": "static'x", "a backtick": "static`x", "an escape": "static\x1b[31m", "a line": "static\nx",
-         "a turn": "static\u202ex", "nothing seen": "static\u200bx"}
-
-
-def named(part: str) -> Callable[[Path], Path]:
-    """A LeRobot v2.1 data set in a folder of that name."""
-    def make(folder: Path) -> Path:
-        w.lerobot_v2(folder / part)
-        return folder
-
-    return make
-
-
-for odd_name, odd in NAMES.items():
-    REAL[f"part with {odd_name}"] = ("markup", named(odd))
-
-
-@hostile("markup")
-def folder_with_markup(folder):
-    return w.act_hdf5(folder.parent / "set<b>")
-
-
-@hostile("markup")
-def hdf5_camera_with_markup(folder):
-    return act(folder, lambda file: file.create_dataset("observations/images/<script>", (6, 4, 4, 3), np.uint8))
-
-
-@hostile("markup")
-def zarr_array_with_markup(folder):
-    path = store(folder)
-    shutil.copytree(path / "data/action", path / "data/<i>")
-    return path
-
-
-@hostile("markup")
-def action_names_with_markup(folder):
-    features = w.info("v2.1")["features"]
-    features["action"]["names"] = ["<b>", *w.NAMES[1:]]
-    return informed({"features": features})(folder)
-
-
-@hostile("markup")
-def feature_with_markup(folder):
-    w.lerobot_v2(folder)
-    features = w.info("v2.1", cameras={"observation.images.<script>": "image"})["features"]
-    w.change_json(folder / "meta/info.json", features=features)
-    return folder
-
-
-# zarr: what both readers refuse ---------------------------------------------------------------------------------------
-
-def store(folder: Path, **arrays: np.ndarray) -> Path:
-    """A replay buffer in format 2 of two episodes; `arrays` replace or add to what is in data/."""
-    rng = np.random.default_rng(0)
-    given = {"keypoints": rng.normal(size=(6, 5)).astype(np.float32), "action": np.zeros((6, 4), np.float32)} | arrays
+def store(folder: Path, zarr_format: int = 2, **arrays: np.ndarray) -> Path:
+    """A replay buffer of two episodes; `arrays` replace or add to what is in it."""
     folder.mkdir(parents=True)
-    group = zarr.create_group(folder / "replay_buffer.zarr", zarr_format=2)
-    for name, values in given.items():
-        group.create_array(f"data/{name}", data=values, chunks=tuple(max(1, n) for n in values.shape),
-                           config={"write_empty_chunks": True})
-    group.create_array("meta/episode_ends", data=np.array([4, 6]))
+    group = zarr.create_group(folder / "replay_buffer.zarr", zarr_format=zarr_format)
+    given = {"keypoints": np.ones((6, 5), np.float32), "action": np.zeros((6, 4), np.float32), "ends": np.array([4, 6])}
+    for name, values in (given | arrays).items():
+        group.create_array("meta/episode_ends" if name == "ends" else f"data/{name}", data=values,
+                           chunks=tuple(max(1, n) for n in values.shape), config={"write_empty_chunks": True})
     return folder / "replay_buffer.zarr"
 
 
-def described(**change: object) -> Callable[[Path], Path]:
-    """A buffer whose description of the actions says something else; nothing else is written."""
-    def make(folder: Path) -> Path:
-        path = store(folder) / "data/action/.zarray"
-        path.write_text(json.dumps(json.loads(path.read_text()) | change))
-        return folder / "replay_buffer.zarr"
-
-    return make
+def stored(**arrays: np.ndarray) -> Write:
+    return lambda folder: store(folder, **arrays)
 
 
-ZARR = {
-    "chunks of 0": ({"chunks": [0, 4]}, "chunks"), "chunks a text": ({"chunks": "x"}, "chunks"),
-    "shape below 0": ({"shape": [-1, 4]}, "shape"), "shape of parts": ({"shape": [6.5, 4]}, "shape"),
-    "shape of other axes": ({"shape": [6]}, "shape"), "10 ** 10 rows": ({"shape": [10**10, 4]}, "rows"),
-    "a huge chunk": ({"shape": [60, 4 * 10**9], "chunks": [60, 4 * 10**9]}, "chunk bytes"),
-    "too many chunks": ({"shape": [200_000, 4], "chunks": [1, 1]}, "chunks"),
-    "objects": ({"dtype": "|O"}, "data type"), "a structure": ({"dtype": [["a", "<f4"]]}, "data type"),
-    "no data type": ({"dtype": "nonsense"}, "data type"), "texts": ({"dtype": "<U9"}, "data type"),
-    "the pickle codec": ({"compressor": {"id": "pickle"}}, "codecs pickle"),
-    "vlen and pickle": ({"filters": [{"id": "vlen-utf8"}], "compressor": {"id": "pickle"}}, "codecs vlen-utf8"),
-    "gzip": ({"compressor": {"id": "gzip", "level": 1}}, "codecs gzip"),
-    "codec a text": ({"compressor": "x"}, "codecs x"),
-    "filter a number": ({"filters": 5}, "codecs 5"),
-}
-for zarr_name, (zarr_change, zarr_word) in ZARR.items():
-    REAL[f"zarr: {zarr_name}"] = STORED[zarr_name] = (zarr_word, described(**zarr_change))
+def described(**change: object) -> Write:
+    """The description of the actions says something else."""
+    return changed(store, lambda path: w.change_json(path / "data/action/.zarray", **change))
 
 
-def both(word: str):
-    """Enter a function into both tables."""
-    def enter(write):
-        return hostile(word, REAL)(hostile(word, STORED)(write))
-
-    return enter
+def chunk(data: bytes, **change: object) -> Write:
+    """The one chunk of the actions is this."""
+    return changed(described(**change), lambda path: (path / "data/action/0.0").write_bytes(data))
 
 
-@both("codecs pickle")
-def the_pickle_codec_in_other_letters(folder):
-    path = described(filters=[{"id": "pickle"}])(folder)
-    place = path / "data/action/.zarray"
-    place.write_text(place.read_text().replace("pickle", "pickl\\u0065"))
+def gzip_3(folder: Path) -> Path:
+    """Format 3, with another codec."""
+    path = store(folder, zarr_format=3)
+    w.change_json(path / "data/action/zarr.json", codecs=[{"name": "bytes", "configuration": {"endian": "little"}},
+                                                          {"name": "gzip", "configuration": {"level": 1}}])
     return path
 
 
-@both("codecs sharding_indexed")
-def format_3_with_another_codec(folder):
-    w.zarr_buffer(folder, zarr_format=3)
-    place = folder / "replay_buffer.zarr/data/action/zarr.json"
-    about = json.loads(place.read_text())
-    about["codecs"] = [{"name": "bytes"}, {"name": "sharding_indexed"}]
-    place.write_text(json.dumps(about))
-    return folder / "replay_buffer.zarr"
-
-
-@both("of 2 and of 3")
-def two_descriptions(folder):
-    path = store(folder)
-    (path / "zarr.json").write_text('{"zarr_format": 3, "node_type": "group"}')
-    return path
-
-
-@both("decodes to")
-def chunk_that_is_more_than_it_says(folder):
-    path = store(folder)
-    (path / "data/action/0.0").write_bytes(Blosc(cname="zstd").encode(bytes(10**6)))
-    return path
-
-
-@both("decodes to")
-def chunk_of_two_frames(folder):
-    path = described(compressor={"id": "zstd", "level": 0})(folder)
-    (path / "data/action/0.0").write_bytes(Zstd().encode(bytes(96)) + Zstd().encode(bytes(10**8)))
-    return path
-
-
-@both("bytes on disk")
-def chunk_of_a_million_million_bytes(folder):
-    path = store(folder)
-    os.truncate(path / "data/action/0.0", 10**12)
-    return path
-
-
-@both("json bytes")
-def attributes_of_17_MB(folder):
-    path = store(folder)
-    (path / ".zattrs").write_text(" " * 17_000_000)
-    return path
-
-
-@both("given twice")
-def description_with_a_key_twice(folder):
-    place = store(folder) / "data/action/.zarray"
-    place.write_text(place.read_text().replace('{', '{"shape": [3, 4],', 1))
-    return folder / "replay_buffer.zarr"
-
-
-@both("complex numbers")
-def complex_actions(folder):
-    return store(folder, action=np.ones((6, 4), np.complex64))
-
-
-@both("action")
-def actions_without_columns(folder):
-    return store(folder, action=np.zeros((6, 0), np.float32))
-
-
-REAL["complex actions"] = ("expected real numbers", complex_actions)
-
-
-def zipped(folder: Path, member: str, data: bytes) -> Path:
-    """A zarr.zip with one member replaced."""
-    path = store(folder)
-    with zipfile.ZipFile(folder / "x.zarr.zip", "w", zipfile.ZIP_DEFLATED) as archive:
-        for file in sorted(file for file in path.rglob("*") if file.is_file()):
-            name = file.relative_to(path).as_posix()
-            archive.writestr(name, data if name == member else file.read_bytes())
-    shutil.rmtree(path)
-    return folder
-
-
-@hostile("json bytes")
-def zip_with_attributes_of_17_MB(folder):
-    return zipped(folder, ".zattrs", b" " * 17_000_000)
-
-
-@hostile("bytes on disk")
-def zip_with_a_large_chunk(folder):
-    return zipped(folder, "data/action/0.0", bytes(10**7))
-
-
-@hostile("expected a zip file")
-def zip_that_is_none(folder):
-    folder.mkdir()
-    (folder / "x.zarr.zip").write_bytes(b"PK" + io.BytesIO(bytes(99)).read())
-    return folder
-
-
-@hostile("episodes")
-def five_million_episodes(folder):
-    path = store(folder)
-    shutil.rmtree(path / "meta/episode_ends")
-    zarr.open_group(path, mode="a", zarr_format=2).create_array("meta/episode_ends", data=np.arange(1, 1_500_000))
-    return path
-
-
-STORED["too many episodes"] = ("episodes", five_million_episodes)
-
-
-@hostile("at least one timestep")
-def a_stream_of_no_rows(folder):
-    return store(folder, timestamp=np.zeros((0,), np.float64))
-
-
-@hostile("whole numbers")
-def ends_that_are_no_whole_numbers(folder):
-    path = store(folder)
-    shutil.rmtree(path / "meta/episode_ends")
-    zarr.open_group(path, mode="a", zarr_format=2).create_array("meta/episode_ends", data=np.array([4.5, 6]))
-    return path
-
-
-@hostile("expected real numbers")
-def joints_of_true_and_false(folder):
-    return store(folder, robot_joint=np.ones((6, 6), bool))
-
-
-@hostile("columns")
-def pose_of_seven_columns(folder):
-    return store(folder, robot_eef_pose=np.zeros((6, 7)))
-
-
-# what training refuses ------------------------------------------------------------------------------------------------
-
-@hostile("true and false", STORED)
-def bool_actions(folder):
-    return store(folder, action=np.ones((6, 4), bool))
-
-
-@hostile("at least one number", STORED)
-def no_observation_columns(folder):
-    return store(folder, keypoints=np.zeros((6, 0), np.float32))
-
-
-@hostile("infinity", STORED)
-def infinite_actions(folder):
-    return store(folder, action=np.full((6, 4), np.inf, np.float32))
-
-
-@hostile("infinity", STORED)
-def actions_beyond_float32(folder):
-    return store(folder, action=np.full((6, 4), 1e300))
-
-
-@hostile("infinity", STORED)
-def actions_that_are_no_numbers(folder):
-    return store(folder, action=np.full((6, 4), np.nan, np.float32))
-
-
-@hostile("columns", STORED)
-def four_million_columns_in_29_kB(folder):
-    path = store(folder)
-    shutil.rmtree(path / "data/keypoints")
-    shutil.copytree(path / "data/action", path / "data/keypoints")
-    about = json.loads((path / "data/keypoints/.zarray").read_text())
-    about |= {"shape": [60, 4_000_000], "chunks": [4, 4_000_000]}
-    (path / "data/keypoints/.zarray").write_text(json.dumps(about))
+def columns_of_nothing(path: Path) -> None:
+    """29 kB that are four million columns."""
+    w.change_json(path / "data/keypoints/.zarray", shape=[60, 4_000_000], chunks=[4, 4_000_000])
     for number in range(15):
         (path / f"data/keypoints/{number}.0").write_bytes(Blosc(cname="zstd").encode(bytes(64_000_000)))
-    return path
 
 
-@hostile("symbolic link", STORED)
-def array_that_is_a_link(folder):
-    path = store(folder)
-    shutil.move(path / "data/action", folder / "outside")
-    (path / "data/action").symlink_to(folder / "outside")
-    return path
+# what is refused ------------------------------------------------------------------------------------------------------
 
+OUTSIDE = "leaves the data set"
+PLAIN_FILES = {
+    "a table that is a link": ("symbolic link", linked(v2, TABLE)),
+    "a folder that is a link": ("symbolic link", linked(v2, "data")),
+    "an info.json that is a link": ("symbolic link", linked(v2, INFO)),
+    "an HDF5 file that is a link": ("symbolic link", linked(w.act_hdf5, "episode_0.hdf5")),
+    "a chunk that is a link": ("symbolic link", linked(w.zarr_buffer, "replay_buffer.zarr/data/action/0.0")),
+    "an image that is a link": ("symbolic link", linked(w.pika_hdf5, "episode0/camera/color/cam/0.jpg")),
+    "a link to its own folder": ("symbolic link", changed(v2, lambda folder: (folder / "x").symlink_to(folder))),
+    "a pipe for a table": ("a pipe", piped(v2, TABLE)), "a pipe for info.json": ("a pipe", piped(v2, INFO)),
+}
+NAMES = {
+    "a template outside": (OUTSIDE, info(data_path="../{episode_index:06d}.parquet")),
+    "an absolute template": (OUTSIDE, info(data_path="/etc/{episode_index}")),
+    "a hidden template": ("hidden folder", info(data_path=".git/{episode_index}")),
+    "a template of an attribute": ("path template", info(data_path="{episode_index.__class__}")),
+    "a template of another field": ("uses 'secret'", info(data_path="{secret}")),
+    "a template with a name as a number": ("path template", info(video_path="videos/{video_key:03d}.mp4")),
+    "a very long template": ("has 5000 characters", info(data_path="a" * 5000)),
+    "sync.txt outside": (OUTSIDE, text(SYNC, "../../../../../secret\n" * 6, w.pika_tree)),
+    "sync.txt absolute": (OUTSIDE, text(SYNC, "/etc/passwd\n" * 6, w.pika_tree)),
+    "an image of HDF5 outside": (OUTSIDE, lambda folder: w.pika_hdf5(folder, image_name="../../secret{}")),
+    "an image of HDF5 on a drive": (OUTSIDE, lambda folder: w.pika_hdf5(folder, image_name="C:\\x\\{}.jpg")),
+    "an image of a table outside": (OUTSIDE, images([{"bytes": None, "path": "/etc/passwd"}] * 6)),
+    "too many parts": ("parts", many_parts),
+}
+ODD = {"an image": "<img src=x onerror=alert(1)>", "an entity": "&lt;b", "a quote": '"', "an apostrophe": "'",
+       "a backtick": "`", "an escape": "\x1b[31m", "a line": "\nx", "a turn": "\u202ex", "nothing seen": "\u200bx"}
+MARKUP = {f"a part with {name}": ("markup", lambda folder, odd=odd: w.lerobot_v2(folder / f"static{odd}").parent)
+          for name, odd in ODD.items()} | {
+    "a folder with markup": ("markup", lambda folder: w.act_hdf5(folder.parent / "set<b>")),
+    "a camera with markup": ("markup", replaced("observations/images/<b>", shape=(6, 4, 4, 3), dtype=np.uint8)),
+    "an array with markup": ("markup", stored(**{"<i>": np.zeros((6, 2, 2, 3), np.uint8)})),
+    "a robot with markup": ("markup", info(robot_type="piper<img src=x>")),
+    "action names with markup": ("markup", info(features=w.info("v2.1")["features"] | {
+        "action": {"dtype": "float32", "shape": [7], "names": ["<b>", *w.NAMES[1:]]}})),
+}
+JSON = {
+    "an info.json of null": ("JSON NoneType", text(INFO, "null")), "of nothing": ("expected", text(INFO, "")),
+    "of endless nesting": ("RecursionError", text(INFO, "[" * 100_000)),
+    "of 17 MB": ("text bytes", text(INFO, " " * 17_000_000)),
+    "with a key twice": ("given twice", text(INFO, '{"codebase_version": "v2.1", "codebase_version": "v3.0"}')),
+    "features a list": ("features", info(features=["x"])), "a number for a path": ("data_path", info(data_path=5)),
+    "chunks of 0": ("chunks_size", info(chunks_size=0)), "a rate of true": ("fps", info(fps=True)),
+    "an endless rate": ("fps", text(INFO, '{"codebase_version": "v2.1", "features": {}, "fps": 1e999}')),
+    "another version": ("codebase_version is 'v9'", info(codebase_version="v9")),
+    "a text for a length": ("length is 'x'", text(EPISODES, '{"episode_index": 0, "length": "x"}')),
+    "true for a number": ("whole number", text(EPISODES, '{"episode_index": true, "length": 6}')),
+    "a huge length": ("rows", text(EPISODES, f'{{"episode_index": 0, "length": {10**400}}}')),
+    "a huge number": ("characters", text(EPISODES, f'{{"episode_index": {10**4000}, "length": 1}}')),
+    "an episode twice": ("episode 0 is listed twice", text(EPISODES, '{"episode_index": 0, "length": 6}\n' * 2)),
+    "too many episodes": ("episodes", text(EPISODES, '{"episode_index": 0, "length": 1}\n' * 100_001)),
+    "a reading that is a list": ("JSON list", text(SYNC.replace("sync.txt", "1.json"), "[1]", lambda folder: text(
+        SYNC, "1.json\n" * 6, w.pika_tree)(folder))),
+    "pixels of no size": ("metres_per_pixel", text("SIMULATED.json", '{"metres_per_pixel": "x"}')),
+}
+HDF5 = {
+    "external storage": ("another file", replaced("x", shape=(2, 4), dtype=np.uint8, external=[("/etc/passwd", 0, 8)])),
+    "virtual data": ("another file", act(virtual)),
+    "an external link": ("links to another file", act(lambda file: file.__setitem__(
+        "x", h5py.ExternalLink("/etc/passwd", "/x")))),
+    "a soft link through an external one": ("links to another file", act(soft_through_external)),
+    "ten thousand million rows": ("rows", replaced("action", shape=(10**10, 7), dtype=np.float32, chunks=(10, 7))),
+}
+STREAMS = {
+    "HDF5 of texts": ("expected real numbers", replaced("observations/qpos", data=np.full((6, 7), b"1"))),
+    "HDF5 of complex numbers": ("expected real numbers", replaced("action", data=np.ones((6, 7), complex))),
+    "a table of texts": ("expected numbers", table({"observation.state": ["1", "2"], "action": [["x"], ["y"]]})),
+    "a table of true and false": ("expected numbers", table({"observation.state": pa.array([[True] * 7] * 6)})),
+    "time as text": ("expected numbers", changed(v2, lambda path: w.change_table(path / TABLE, timestamp=["0"] * 6))),
+    "no columns": ("at least one timestep", table({"action": pa.array([[], []], pa.list_(pa.float32()))})),
+    "ragged columns": ("inhomogeneous", table({"action": [[1.0], [1.0, 2.0]]})),
+    "too many columns": ("columns", table({"action": [[0.0] * 10_000]})),
+    "a table that is JSON": ("expected a parquet table", text(TABLE, "{}")),
+    "a reading of true": ("expected numbers", text(SYNC.replace("sync.txt", "1.json"), '{"position": [true]}',
+                                                   text(SYNC, "1.json\n" * 6, w.pika_tree))),
+    "zarr of complex numbers": ("expected real numbers", stored(action=np.ones((6, 4), np.complex64))),
+    "zarr of true and false": ("expected real numbers", stored(robot_joint=np.ones((6, 6), bool))),
+    "a pose of seven columns": ("columns", stored(robot_eef_pose=np.zeros((6, 7)))),
+    "a stream of no rows": ("at least one timestep", stored(timestamp=np.zeros(0))),
+    "ends that are no whole numbers": ("whole numbers", stored(ends=np.array([4.5, 6]))),
+    "ends that do not increase": ("must increase", stored(ends=np.array([4, 4]))),
+}
+PICTURES = {
+    "a playlist for an image": ("expected images", images([{"bytes": b"#EXTM3U\nfile:///etc/x", "path": None}] * 6)),
+    "images of two sizes": ("expected images", images([{"bytes": png(8 + n % 2, 8), "path": None} for n in range(6)])),
+    "a video in another container": ("expected", changed(v2, avi)),
+    "a list of files for a video": ("expected", text(VIDEO, "ffconcat version 1.0\nfile ../../../../secret\n")),
+}
+CODECS = {
+    "pickle": ("pickle", described(filters=[{"id": "pickle"}])),
+    "pickle of objects": ("pickle", described(dtype="|O", filters=[{"id": "pickle"}])),
+    "texts of any length": ("StringDType", described(dtype="|O", filters=[{"id": "vlen-utf8"}])),
+    "gzip": ("codecs GZip", described(compressor={"id": "gzip", "level": 1})),
+    "a filter": ("codecs Delta", described(filters=[{"id": "delta", "dtype": "<f4"}])),
+    "gzip in format 3": ("codecs GzipCodec", gzip_3),
+    "chunks of 0": ("division by zero", described(chunks=[0, 4])),
+    "a shape below 0": ("non-negative", described(shape=[-1, 4])),
+    "a codec that is a text": ("compressor", described(compressor="x")),
+    "ten thousand million rows": ("rows", described(shape=[10**10, 4])),
+    "too many chunks": ("files", described(shape=[200_000, 4], chunks=[1, 1])),
+    "a chunk that is more than it says": ("reshape", chunk(Blosc(cname="zstd").encode(bytes(10**6)))),
+    "a chunk of two frames": ("reshape", chunk(Zstd().encode(bytes(96)) + Zstd().encode(bytes(10**8)),
+                                               compressor={"id": "zstd", "level": 0})),
+    "too many episodes": ("episodes", stored(ends=np.arange(1, 1_500_000))),
+}
+TRAINING = {
+    "complex actions": ("complex numbers", stored(action=np.ones((6, 4), np.complex64))),
+    "actions of true and false": ("true and false", stored(action=np.ones((6, 4), bool))),
+    "actions without columns": ("at least one number", stored(action=np.zeros((6, 0), np.float32))),
+    "nothing observed": ("at least one number", stored(keypoints=np.zeros((6, 0), np.float32))),
+    "infinite actions": ("infinity", stored(action=np.full((6, 4), np.inf, np.float32))),
+    "actions beyond float32": ("infinity", stored(action=np.full((6, 4), 1e300))),
+    "actions that are no numbers": ("infinity", stored(action=np.full((6, 4), np.nan, np.float32))),
+    "four million columns in 29 kB": ("columns", changed(store, columns_of_nothing)),
+    "an array that is a link": ("symbolic link", linked(store, "data/action")),
+    "a chunk that is a pipe": ("a pipe", piped(store, "data/action/0.0")),
+}
+REAL = PLAIN_FILES | NAMES | MARKUP | JSON | STREAMS | PICTURES
+REAL |= {f"HDF5: {name}": case for name, case in HDF5.items()}
+REAL |= {f"zarr: {name}": case for name, case in CODECS.items()}
+STORED = CODECS | TRAINING
 
-@hostile("symbolic link", STORED)
-def chunk_that_is_a_link(folder):
-    path = store(folder)
-    shutil.move(path / "data/action/0.0", folder / "outside")
-    (path / "data/action/0.0").symlink_to(folder / "outside")
-    return path
-
-
-@hostile("a pipe", STORED)
-def chunk_that_is_a_pipe(folder):
-    path = store(folder)
-    (path / "data/action/0.0").unlink()
-    os.mkfifo(path / "data/action/0.0")
-    return path
+BOMBS = {  # what needs more memory than is allowed, wherever it says so
+    "an HDF5 image of 40,000 pixels a side": replaced("observations/images/big", shape=(1, 40_000, 40_000, 3),
+                                                      dtype=np.uint8, chunks=(1, 64, 64, 3)),
+    "a PNG of 13,000 pixels a side": images([{"bytes": png(13_000, 13_000), "path": None}] * 6),
+    "a video whose frames are larger than it says": changed(v2, larger_frames),
+    "an image file of a million million bytes": changed(w.pika_hdf5, lambda folder: os.truncate(
+        folder / "episode0/camera/color/cam/0.jpg", 10**12)),
+    "a table row of 100 million numbers": changed(v2, lambda folder: pq.write_table(pa.table({
+        "action": pa.ListArray.from_arrays(pa.array([0, 10**8]), pa.array(np.zeros(10**8, np.int8)))}),
+        folder / TABLE)),
+    "a text many times": images([{"bytes": bytes(60_000_000), "path": None}] * 6),
+    "a zarr chunk of 16 GB": described(shape=[60, 4 * 10**9], chunks=[60, 4 * 10**9]),
+    "a zarr chunk of a million million bytes": changed(
+        store, lambda path: os.truncate(path / "data/action/0.0", 10**12)),
+}

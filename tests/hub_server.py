@@ -13,40 +13,41 @@ COMMIT = "0123456789abcdef0123456789abcdef01234567"
 class StandIn:
     """What the server answers.
 
-    tree: rows of the listing, or any other JSON. answers: part of a path -> (status, body, headers), asked first.
-    asked: every path that was asked for.
+    listing: rows of the listing. answers: part of a path -> (status, body, headers), asked first.
+    asked: every path that was asked for with GET.
     """
 
     def __init__(self, folder: Path) -> None:
         self.folder, self.endpoint = folder, ""
         self.answers: dict[str, tuple[int, bytes, dict]] = {}
         self.asked: list[str] = []
-        self.list_again()
-
-    def list_again(self) -> None:
-        """List what lies in the folder now."""
-        files = [path for path in sorted(self.folder.rglob("*")) if path.is_file()]
-        self.tree: object = [row(path.relative_to(self.folder).as_posix(), path.stat().st_size) for path in files]
+        files = [path for path in sorted(folder.rglob("*")) if path.is_file()]
+        self.listing = [row(path.relative_to(folder).as_posix(), path.stat().st_size) for path in files]
 
     def answer(self, path: str) -> tuple[int, bytes, dict]:
         """Status, body and headers for one path."""
-        self.asked.append(path)
         for part, given in self.answers.items():
             if part in path:
                 return given
-        if "/tree/" in path:
-            return 200, json.dumps(self.tree).encode(), {"Content-Type": "application/json"}
         if path.startswith("/api/datasets/"):
-            about = {"id": "BAAI/MOVE", "sha": COMMIT, "siblings": [], "tags": [], "private": False, "gated": False,
-                     "disabled": False, "downloads": 0, "likes": 0}
-            return 200, json.dumps(about).encode(), {"Content-Type": "application/json"}
+            return 200, json.dumps(about(self.listing)).encode(), {"Content-Type": "application/json"}
         body = (self.folder / path.split(f"/resolve/{COMMIT}/")[1].split("?")[0]).read_bytes()
         return 200, body, {"ETag": f'"{hashlib.sha1(body).hexdigest()}"', "X-Repo-Commit": COMMIT}
+
+    def fetched(self) -> list[str]:
+        """Names of the files that were fetched, in order."""
+        return [path.split(f"/resolve/{COMMIT}/")[1] for path in self.asked if "/resolve/" in path]
+
+
+def about(listing: object, sha: object = COMMIT) -> dict:
+    """What the Hub says of a data set, with its listing."""
+    return {"id": "BAAI/MOVE", "sha": sha, "siblings": listing, "tags": [], "private": False, "gated": False,
+            "disabled": False, "downloads": 0, "likes": 0}
 
 
 def row(path: object, size: object) -> dict:
     """One file of a listing."""
-    return {"type": "file", "path": path, "size": size, "oid": "0" * 40}
+    return {"rfilename": path, "size": size, "blobId": "0" * 40}
 
 
 @contextmanager
@@ -56,6 +57,8 @@ def serving(folder: Path):
 
     class Handler(BaseHTTPRequestHandler):
         def do_GET(self) -> None:
+            if self.command == "GET":
+                hub.asked.append(self.path)
             status, body, headers = hub.answer(self.path)
             self.send_response(status)
             for name, value in {"Content-Length": str(len(body)), **headers}.items():

@@ -288,3 +288,11 @@ def zarr_buffer(folder: Path, *, zarr_format: int = 2, simulation: bool = False,
     if zipped:
         store.close()
     return folder
+
+
+LAYOUTS = {
+    "LeRobot v2.1": lerobot_v2, "LeRobot v3.0": lerobot_v3, "Pika tree": pika_tree, "Pika HDF5": pika_hdf5,
+    "ACT": act_hdf5, "RoboMIND": robomind_hdf5, "zarr": zarr_buffer,
+    "zarr in a zip": lambda folder: zarr_buffer(folder, zipped=True),
+    "authors' zarr": lambda folder: zarr_buffer(folder, simulation=True),
+}

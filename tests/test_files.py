@@ -73,17 +73,8 @@ def test_what_a_killed_process_left_is_put_away_and_what_others_own_is_not(tmp_p
     assert names(tmp_path) == sorted(["data", *(path.name for path in kept)])
     assert names(tmp_path / "data") == ["content"]
     left_behind(tmp_path, "data", DEAD, "old")  # now the new one is there
-    files.put_away_remains(tmp_path / "data")
-    assert names(tmp_path) == sorted(["data", *(path.name for path in kept)])
-
-
-def test_a_whole_folder_is_cleared_of_what_killed_processes_left(tmp_path):
-    left_behind(tmp_path, "one.json", DEAD, "part")
-    left_behind(tmp_path, "two.json", DEAD, "old")  # and there is no two.json
-    kept = [left_behind(tmp_path, "one.json", os.getpid(), "part"), tmp_path / ".one.json.elsewhere.7.part"]
-    kept[-1].touch()
-    files.put_away_all_remains(tmp_path)
-    assert names(tmp_path) == sorted(["two.json", *(path.name for path in kept)])
+    files.put_away_all_remains(tmp_path)  # whatever they wrote
+    assert names(tmp_path) == sorted(["data", *(path.name for path in kept if "other" not in path.name)])
 
 
 @pytest.mark.parametrize("moment", ["written", "moved"])

@@ -17,7 +17,7 @@ from move.learn import dataset
 from move.realworld import open_dataset
 from move.untrusted import Limits, limits, plain_files, within
 
-MOST_BYTES, MOST_SECONDS = 2e9, 30
+MOST_SECONDS = 30
 
 
 def read_all(folder: Path) -> None:
@@ -58,27 +58,19 @@ def test_hostile_demonstrations_are_refused_by_name(tmp_path, name):
     refused(train_reads, write(tmp_path / "set"), word)
 
 
-def test_the_tables_are_long_and_their_good_neighbours_are_read(tmp_path):
-    assert len(hostile.REAL) > 90 and len(hostile.STORED) > 35
-    read_all(hostile.with_video(tmp_path / "video"))
-    read_all(hostile.store(tmp_path / "zarr"))
-    train_reads(tmp_path / "zarr/replay_buffer.zarr")
-    read_all(hostile.act(tmp_path / "act", hostile.dag))  # 2 ** 26 ways, each group looked at once
-
-
-def test_a_file_that_links_within_itself_is_read(tmp_path):
-    def loop(file: h5py.File) -> None:
+def test_their_good_neighbours_are_read(tmp_path):
+    def links(file: h5py.File) -> None:
+        hostile.dag(file)  # 2 ** 26 ways, each group looked at once
         file["observations/loop"] = file["observations"]
         file["observations/soft"] = h5py.SoftLink("/observations/qpos")
         file["observations/nowhere"] = h5py.SoftLink("/gone")
 
-    read_all(hostile.act(tmp_path / "act", loop))
-
-
-def test_the_folder_itself_may_be_a_link(tmp_path):
-    w.lerobot_v2(tmp_path / "there")
-    (tmp_path / "here").symlink_to(tmp_path / "there")
-    read_all(tmp_path / "here")
+    read_all(hostile.v2(tmp_path / "video"))
+    read_all(hostile.store(tmp_path / "zarr").parent)
+    train_reads(tmp_path / "zarr/replay_buffer.zarr")
+    read_all(hostile.act(links)(tmp_path / "act"))
+    (tmp_path / "link").symlink_to(tmp_path / "video")
+    read_all(tmp_path / "link")
 
 
 def test_hidden_folders_are_no_part_of_a_data_set(tmp_path):
@@ -100,11 +92,11 @@ def test_videos_beside_a_buffer_are_read_only_inside_the_data_set(tmp_path):
 def test_a_limit_is_named_with_the_way_to_raise_it(tmp_path, monkeypatch):
     w.lerobot_v2(tmp_path / "set")
     monkeypatch.setenv("MOVE_LIMITS", "rows=5")
-    line = refused(read_all, tmp_path / "set", "6 rows; allowed are 5 ")
-    assert "MOVE_LIMITS=rows=6 raises it" in line
-    monkeypatch.setenv("MOVE_LIMITS", "rows=6, pixels=1e6")
+    line = refused(read_all, tmp_path / "set", "6 rows; allowed are 5;")
+    assert "MOVE_LIMITS=rows=... allows more" in line
+    monkeypatch.setenv("MOVE_LIMITS", "rows=6, files=1e6")
     read_all(tmp_path / "set")
-    assert limits() == Limits(rows=6, pixels=1_000_000)
+    assert limits() == Limits(rows=6, files=1_000_000)
 
 
 @pytest.mark.parametrize("given", ["rows", "rows=x", "row=5", "rows=0", "rows=inf", "=5"])
@@ -114,53 +106,31 @@ def test_a_wrong_limit_is_refused(monkeypatch, given):
         within("rows", 1, "here")
 
 
-def test_all_episodes_together_stay_within_the_memory(tmp_path, monkeypatch):
-    w.lerobot_v2(tmp_path / "set", episodes=8)
-    monkeypatch.setenv("MOVE_LIMITS", "memory_bytes=5000")
-    refused(read_all, tmp_path / "set", "all episodes together")
-
-
-def test_one_text_many_times_stays_within_the_memory(tmp_path, monkeypatch):
-    hostile.imaged(tmp_path / "set", [{"bytes": bytes(200_000), "path": None}] * w.STEPS)
-    monkeypatch.setenv("MOVE_LIMITS", "memory_bytes=1e6")
-    refused(read_all, tmp_path / "set", "memory bytes")
-
-
-def test_one_row_of_many_numbers_is_refused_by_its_footer(tmp_path, monkeypatch):
-    hostile.table(tmp_path / "set", {"action": hostile.one_row_of_many(200_000)})
-    monkeypatch.setenv("MOVE_LIMITS", "memory_bytes=1e6")
-    refused(read_all, tmp_path / "set", "row group 0: 1,600,000 memory bytes")
-
-
-REAL_BOMBS = ("hdf5 image of 40000 pixels a side", "png of 20000 pixels a side", "five million episodes",
-              "video whose frames are larger than it says", "image file of a million million bytes",
-              "parquet of three million rows", "zip with attributes of 17 MB")
-STORED_BOMBS = ("four million columns in 29 kB", "chunk that is more than it says", "10 ** 10 rows")
 CHILD = """
 import json, sys, time
 from pathlib import Path
-from move.errors import BadInput
-from test_hostile_data import read_all, train_reads
-for kind, folder in json.loads(sys.argv[1]):
-    started = time.monotonic()
+from test_hostile_data import read_all
+def peak():
+    return next(int(line.split()[1]) for line in Path("/proc/self/status").read_text().splitlines() if "VmHWM" in line)
+before = peak()
+for folder in sys.argv[1:]:
+    started, said = time.monotonic(), "read"
     try:
-        (read_all if kind == "real" else train_reads)(Path(folder))
-    except BadInput:
-        pass
-    peak = next(line for line in Path("/proc/self/status").read_text().splitlines() if line.startswith("VmHWM"))
-    print(json.dumps([1024 * int(peak.split()[1]), time.monotonic() - started]))
+        read_all(Path(folder))
+    except Exception as error:
+        said = f"{type(error).__name__} {error}"
+    print(json.dumps([said, 1024 * (peak() - before), time.monotonic() - started]))
 """
 
 
-@pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="the peak of one process alone is told by Linux")
-def test_the_worst_stay_within_memory_and_time(tmp_path):
-    folders = [("real", hostile.REAL[name][1](tmp_path / f"r{n}")) for n, name in enumerate(REAL_BOMBS)]
-    folders += [("stored", hostile.STORED[name][1](tmp_path / f"s{n}")) for n, name in enumerate(STORED_BOMBS)]
-    folders.append(("real", hostile.act(tmp_path / "dag", hostile.dag)))
-    root = Path(__file__).parent
-    done = subprocess.run([sys.executable, "-c", CHILD, json.dumps([(kind, str(path)) for kind, path in folders])],
-                          capture_output=True, text=True, timeout=300, check=True,
-                          env=os.environ | {"PYTHONPATH": f"{root.parent}:{root}", "OMP_NUM_THREADS": "1"})
-    rows = [json.loads(line) for line in done.stdout.splitlines()]
-    assert len(rows) == len(folders)
-    assert max(peak for peak, _ in rows) < MOST_BYTES and max(seconds for _, seconds in rows) < MOST_SECONDS
+@pytest.mark.skipif(sys.platform != "linux", reason="the address space of a process is limited on Linux")
+def test_what_needs_much_memory_is_refused_within_the_memory_that_is_allowed(tmp_path):
+    folders = [str(write(tmp_path / str(number))) for number, write in enumerate(hostile.BOMBS.values())]
+    tests = Path(__file__).parent
+    done = subprocess.run([sys.executable, "-c", CHILD, *folders], capture_output=True, text=True, timeout=300,
+                          check=True, env=os.environ | {"PYTHONPATH": f"{tests.parent}:{tests}",
+                                                        "MOVE_LIMITS": "memory_bytes=5e8"})
+    for name, row in zip(hostile.BOMBS, done.stdout.splitlines(), strict=True):
+        said, peak_bytes, seconds = json.loads(row)
+        assert said.startswith("BadInput") and "500,000,000 bytes of memory needed" in said, name
+        assert peak_bytes < 5.5e8 and seconds < MOST_SECONDS, name

@@ -199,6 +199,6 @@ def test_where_the_kernel_does_not_help_a_thread_sees_that_the_parent_is_gone(tm
 
 @pytest.mark.slow
 def test_a_tortured_grid_ends_as_an_undisturbed_one(tmp_path):
-    done = subprocess.run([sys.executable, paths.ROOT / "tools" / "torture.py", "--kills", "20", "--orphans", "10"],
+    done = subprocess.run([sys.executable, paths.ROOT / "tools" / "torture.py", "--kills", "20"],
                           env={**os.environ, "PYTHONPATH": str(paths.ROOT)}, capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr

@@ -9,11 +9,9 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 import real_writers as w
-import zarr
 
 from move.paper import TABLE3_REAL
 from move.realworld import check_dataset, checks_table, open_dataset, write_sample
-from move.realworld.checks import OUTCOMES
 from move.realworld.episode import RobotEpisode
 from move.realworld.piper import LIMITS_RAD, flange_transform, forward_kinematics, reach
 from move.realworld.sample import SIZE
@@ -41,7 +39,7 @@ def test_the_sample_says_that_it_is_simulated(sample):
 
 def test_the_sample_passes_all_but_the_papers_sizes(sample):
     table = checks_table(check_dataset(sample))
-    assert list(table.columns) == ["name", "outcome", "detail"] and set(table["outcome"]) <= set(OUTCOMES)
+    assert list(table.columns) == ["name", "outcome", "detail"]
     assert set(table.loc[table["outcome"] != "pass", "name"]) == {
         "move_sample: size is one of the paper's", "static_sample: size is one of the paper's",
         "move: mean length is the paper's", "static: mean length is the paper's", "a robot was involved",
@@ -79,28 +77,12 @@ def v2_table(**columns):
     return lambda folder: w.change_table(folder / V2.format(1), **columns)
 
 
-def over(first, second):
-    """Copy a file or folder over another."""
-    def change(folder):
-        copy = shutil.copytree if (folder / first).is_dir() else shutil.copy
-        copy(folder / first, folder / second, **({"dirs_exist_ok": True} if copy is shutil.copytree else {}))
-
-    return change
-
-
-def in_hdf5(change, name="episode_0.hdf5"):
+def in_hdf5(change):
     def make(folder):
-        with h5py.File(folder / name, "a") as file:
+        with h5py.File(folder / "episode_0.hdf5", "a") as file:
             change(file)
 
     return make
-
-
-def replaced(file, name, values):
-    attributes = dict(file[name].attrs)
-    del file[name]
-    file[name] = values
-    file[name].attrs.update(attributes)
 
 
 def never_written(file):
@@ -114,11 +96,6 @@ def sync(sensor, change):
         path.write_text("\n".join(change(path.read_text().split("\n"))))
 
     return make
-
-
-def with_nan(values):
-    values[2, 3] = np.nan
-    return values
 
 
 def lengths(*numbers):
@@ -145,18 +122,14 @@ STATED, CHUNKS = "episodes are as long as stated", "no chunk of an array is miss
 SPOILT = {  # what is wrong: who writes it, what is changed, which check finds it, what it says
     "another episode's number": (v2, v2_table(episode_index=np.full(6, 2)), ORDER, "episode_index 2 at timestep 0"),
     "numbers of timesteps with a gap": (v2, v2_table(frame_index=STEPS + (STEPS > 3)), ORDER, "frame_index 5 at"),
-    "a number twice": (v2, v2_table(index=[6, 7, 7, 8, 9, 10]), ORDER, "index 7 at timestep 2, right is 8"),
-    "an episode over another": (v2, over(V2.format(0), V2.format(2)), EQUAL, "./2 equals ./0"),
     "an episode over another, renumbered": (
         v2, lambda folder: w.change_table(shutil.copy(folder / V2.format(0), folder / V2.format(2)),
                                           episode_index=np.full(6, 2)), EQUAL, "./2 equals ./0"),
     "longer than it is": (v2, lengths(6, 60, 6), STATED, "./1 6 timesteps of 60"),
     "shorter than it is": (v2, lengths(6, 6, 2), STATED, "./2 6 timesteps of 2"),
-    "time that stands still": (v2, v2_table(timestamp=[0, 0.1, 0.1, 0.2, 0.3, 0.4]), "time increases", "./1"),
     "time that runs back": (v2, v2_table(timestamp=STEPS[::-1] / 10), "time increases", "./1"),
     "joints that are no number": (
         v2, v2_table(**{"observation.state": [*w.state(1).tolist()[:5], [np.nan] * 7]}), FINITE, "./1 joints 1"),
-    "an infinite action": (v2, v2_table(action=[[np.inf] + [0.0] * 6] * 6), FINITE, "./1 action 6"),
     "time that is no number": (v2, v2_table(timestamp=[0, np.nan, 0.2, 0.3, 0.4, 0.5]), FINITE, "timestamps 1"),
     "rows in another order": (w.lerobot_v3, swapped_rows, "nothing had to be assumed", "order of frame_index"),
     "another part of a shared table": (w.lerobot_v3, lambda folder: w.change_table(
@@ -164,10 +137,6 @@ SPOILT = {  # what is wrong: who writes it, what is changed, which check finds i
     "ACT never written": (w.act_hdf5, in_hdf5(never_written), CHUNKS, "/action has 1 of its 2 chunks"),
     "ACT simulated": (w.act_hdf5, in_hdf5(lambda file: file.attrs.__setitem__("sim", True)), "a robot was involved",
                       "say that they are simulated"),
-    "ACT no number": (w.act_hdf5, in_hdf5(lambda file: replaced(file, "observations/qpos", with_nan(w.state()))),
-                      FINITE, "joints 1"),
-    "ACT of unequal streams": (w.act_hdf5, in_hdf5(lambda file: replaced(file, "action", w.state()[:4])),
-                               "streams of an episode are equally long", "action 4"),
     "Pika time runs back": (w.pika_tree, sync("camera/color/pikaGripperDepthCamera", lambda lines: lines[::-1]),
                             "time increases", "./0"),
     "Pika arm runs back": (w.pika_tree, sync("arm/jointState/puppet", lambda lines: lines[::-1]),
@@ -178,8 +147,6 @@ SPOILT = {  # what is wrong: who writes it, what is changed, which check finds i
                    "data/robot_joint has 2 of its 3 chunks"),
     "zarr rows": (w.zarr_buffer, fewer_rows("action"), STATED, "2 timesteps of 4"),
     "zarr streams": (w.zarr_buffer, fewer_rows("action"), "streams of an episode are equally long", "action 2"),
-    "zarr time": (w.zarr_buffer, lambda folder: zarr.open_group(folder / "replay_buffer.zarr").__getitem__(
-        "data/timestamp").__setitem__(slice(2, 4), 5.0), "time increases", "replay_buffer.zarr/0"),
 }
 
 
@@ -194,18 +161,11 @@ def test_each_check_finds_what_is_wrong_in_whatever_layout(tmp_path, what):
     assert check.outcome == "differs" and says in check.detail, check
 
 
-LAYOUTS = {
-    "LeRobot v2.1": w.lerobot_v2, "LeRobot v3.0": w.lerobot_v3, "Pika tree": w.pika_tree, "Pika HDF5": w.pika_hdf5,
-    "ACT": w.act_hdf5, "RoboMIND": w.robomind_hdf5, "zarr": w.zarr_buffer,
-    "authors' zarr": lambda folder: w.zarr_buffer(folder, simulation=True),
-}
-
-
-@pytest.mark.parametrize("layout", LAYOUTS)
+@pytest.mark.parametrize("layout", w.LAYOUTS)
 def test_every_layout_has_the_same_checks_and_passes_none_for_want_of_a_quantity(tmp_path, layout):
-    data = open_dataset(LAYOUTS[layout](tmp_path / "d"))
+    data = open_dataset(w.LAYOUTS[layout](tmp_path / "d"))
     table = checks_table(check_dataset(data)).set_index("name")
-    assert len(table) == 18 and set(table["outcome"]) <= set(OUTCOMES)
+    assert len(table) == 18 and set(table["outcome"]) <= {"pass", "differs", "unknown"}
     wanted = {
         "episodes are as long as stated": [e for e in data.episodes if e.stated_timesteps],
         "timesteps are numbered in order": [e for e in data.episodes if e.numbering],

@@ -5,10 +5,8 @@ import numpy as np
 import pytest
 import real_writers as w
 
-from move.errors import BadInput
 from move.realworld import check_dataset, open_dataset
-from move.realworld.piper import is_piper
-from move.realworld.state_columns import Columns, split_columns, words
+from move.realworld.state_columns import Columns, split_columns
 from move.realworld.workspace import path_table, positions, why_no_positions
 
 SO101 = [f"{name}.pos" for name in ("shoulder_pan", "shoulder_lift", "elbow_flex", "wrist_flex", "wrist_roll",
@@ -37,6 +35,9 @@ ROBOTS = {  # names -> limb: joints, pose, gripper
     "legs": (["left_hip_pitch", "left_knee", "left_shoulder_pitch", "left_elbow"], {"left": Columns((2, 3))}),
     "a pose of Euler angles": ([*(f"tcp_pos_{axis}" for axis in "xyz"), *(f"tcp_rot_{axis}" for axis in "xyz")],
                                {"": Columns((), tuple(range(6)))}),
+    "RoboCOIN": ([*(f"right_arm_joint_{n}_rad" for n in range(1, 7)), "right_gripper_open_scale",
+                  *(f"right_eef_{kind}_{axis}" for kind in ("pos", "rot") for axis in "xyz")],
+                 {"right": Columns(tuple(range(6)), tuple(range(7, 13)), 6)}),
     "a column twice": (["joint_1", "joint_1", "gripper"], {}), "nothing said": (["a", "b", "c", "d", "e", "f"], {}),
 }
 
@@ -55,10 +56,6 @@ def test_what_names_leave_is_said_and_width_is_asked_only_without_names():
     assert arms == {"": Columns(tuple(range(6)))} and "order assumed from the width" in note
     arms, note = split_columns([], 6, piper_order=False)
     assert not arms and "kept as stored" in note
-
-
-def test_words():
-    assert words("observation.state/rightArm-joint 3") == ["observation", "state", "right", "arm", "joint", "3"]
 
 
 def arm(folder, values, names, robot, **about):
@@ -153,22 +150,6 @@ def test_a_piper_beyond_its_limits_is_not_placed(tmp_path):
     data = open_dataset(w.lerobot_v2(tmp_path / "d", values=lambda n: w.state(n) + [0, 0, 2.0, 0, 0, 0, 0]))
     assert positions(data.episodes[0]) is None
     assert "2 of 2 episodes: joints beyond PIPER's limits" in why_no_positions(data.episodes)
-
-
-def test_which_robots_are_pipers():
-    assert all(map(is_piper, ("piper", "PIPER", "agilex_piper", "dual-piper", "Cobot Magic")))
-    assert not any(map(is_piper, (None, "", "piperx", "piper_h", "sandpiper", "so100", "aloha")))
-
-
-@pytest.mark.parametrize(("text", "says"), [("elsewhere: {joints: deg}", "part 'elsewhere'; allowed: *, ."),
-                                            ("'*': {joints: deg, joints: rad}", "'joints' stands twice"),
-                                            ("'*': {arm: ur5}", "'ur5'; allowed: piper, other"),
-                                            ("'*': {time: h}", "'h'; allowed: s, ms, us, ns")])
-def test_a_units_file_that_says_something_else_is_refused(tmp_path, text, says):
-    (tmp_path / "units.yaml").write_text(text)
-    with pytest.raises(BadInput) as caught:
-        open_dataset(w.lerobot_v2(tmp_path / "d"), units_file=tmp_path / "units.yaml")
-    assert says in str(caught.value) and "\n" not in str(caught.value)
 
 
 def test_joints_of_a_layout_that_names_no_arm_may_be_per_cent_too(tmp_path):

@@ -105,11 +105,7 @@ def spoilt(folder: Path) -> Path:
     return folder
 
 
-LAYOUTS = {
-    "LeRobot v3.0": w.lerobot_v3, "Pika tree": w.pika_tree, "Pika HDF5": w.pika_hdf5, "ACT": w.act_hdf5,
-    "RoboMIND": w.robomind_hdf5, "zarr": w.zarr_buffer, "authors' zarr": lambda folder: w.zarr_buffer(
-        folder, simulation=True), "spoilt": spoilt,
-}
+LAYOUTS = w.LAYOUTS | {"spoilt": spoilt}
 
 
 @pytest.mark.parametrize("layout", LAYOUTS)

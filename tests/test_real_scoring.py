@@ -25,22 +25,24 @@ def test_a_good_sheet(tmp_path):
     assert scores.loc["static", "low"] == 0 < scores.loc["static", "high"] < 1
 
 
-@pytest.mark.parametrize(
-    ("lines", "says"), [("1,static,0.3,0.1,4\n", "line 2: score '4'; allowed: a whole number 0..3"),
-                        ("1,static,0.3,0.1,2.5\n", "line 2: score '2.5'"), ("1,static,0.3,0.1,\n", "line 2: score ''"),
-                        ("1,static,0.3,0.1,²\n", "line 2: score"),
-                        ("1,static,0.3,0.1,2\n0,static,0.3,0.1,2\n", "line 3: trial '0'"),
-                        ("1,moved,0.3,0.1,2\n", "line 2: method 'moved'; allowed: static, adc, move"),
-                        ("1,static,31,0.1,2\n", "line 2: position_x_m '31'; allowed: metres within"),
-                        ("1,static,0.3,left,2\n", "line 2: position_y_m 'left'"),
-                        ("1,static,nan,0.1,2\n", "line 2: position_x_m 'nan'"),
-                        ("1,static,0.3,0.1,2\n1,static,0.3,0.1,1\n", "line 3: trial 1 of static is scored twice"),
-                        ("1,static,0.3,0.1,2\n1,MOVE,0.4,0.1,1\n", "line 3: trial 1 stands at"),
-                        ("", "no trials below the header"), ])
-def test_bad_lines_are_named(tmp_path, lines, says):
+BAD = {
+    "1,static,0.3,0.1,4": "line 2: score: '4' given; input should be less than or equal to 3",
+    "1,static,0.3,0.1,2.5": "line 2: score: '2.5' given", "1,static,0.3,0.1,": "line 2: score: '' given",
+    "1,static,0.3,0.1,\u00b2": "line 2: score", "1,static,0.3,0.1,2\n0,static,0.3,0.1,2": "line 3: trial: '0' given",
+    "1,moved,0.3,0.1,2": "line 2: method: 'moved' given; input should be 'static', 'adc' or 'move'",
+    "1,static,31,0.1,2": "line 2: position_x_m: '31' given", "1,static,0.3,left,2": "line 2: position_y_m: 'left'",
+    "1,static,nan,0.1,2": "line 2: position_x_m: 'nan' given",
+    "1,static,0.3,0.1,2\n1,static,0.3,0.1,1": "line 3: trial 1 of static is scored twice",
+    "1,static,0.3,0.1,2\n1,MOVE,0.4,0.1,1": "line 3: trial 1 stands 10 cm from where it stood before",
+    "1,static,0.3,0.1,2,5": "line 2: 6 values; allowed: 5", "": "no trials below the header",
+}
+
+
+@pytest.mark.parametrize("lines", BAD)
+def test_bad_lines_are_named(tmp_path, lines):
     with pytest.raises(BadInput) as caught:
         read_sheet(sheet(tmp_path, lines))
-    assert says in str(caught.value) and "sheet.csv" in str(caught.value) and "\n" not in str(caught.value)
+    assert BAD[lines] in str(caught.value) and "sheet.csv" in str(caught.value) and "\n" not in str(caught.value)
 
 
 def test_wrong_columns_and_missing_file(tmp_path):

@@ -7,9 +7,8 @@ import pytest
 import real_writers as w
 
 from move.errors import BadInput
-from move.realworld import check_dataset, open_dataset
+from move.realworld import check_dataset, open_dataset, tracking
 from move.realworld.frames import from_video, nearest
-from move.realworld.tracking import object_places, object_speeds
 
 CAMERA = "observation.images.wrist"
 V2_VIDEO = f"videos/chunk-000/{CAMERA}/episode_000000.mp4"
@@ -164,14 +163,15 @@ def square(number: int, height: int = 64, width: int = 128) -> np.ndarray:
 
 
 @pytest.mark.parametrize("rate", [10, 30])
-def test_speeds_of_the_object_are_those_of_its_video(tmp_path, rate):
+def test_speeds_of_the_object_are_those_of_its_video(tmp_path, monkeypatch, rate):
     """2 pixels a frame are 20 px/s at 10 frames a second and 60 px/s at 30, whatever the rate of the rows."""
     folder = w.zarr_buffer(tmp_path / "d")
     w.write_video(folder / "videos/0/cam.mp4", range(6 * rate // 10), fps=rate, draw=square, size=(64, 128))
     w.write_video(folder / "videos/1/cam.mp4", range(4 * rate // 10), fps=rate, draw=square, size=(64, 128))
     data = open_dataset(folder)
     assert "videos begin" in found(data, "nothing had to be assumed").detail
-    table = object_speeds(object_places(data.episodes, "cam", gap_steps=1))
+    monkeypatch.setattr(tracking, "GAP_STEPS", 1)
+    table = tracking.object_speeds(tracking.object_places(data.episodes, "cam"))
     assert table["mean_speed"].tolist() == pytest.approx([2 * rate] * 2, rel=0.05) and set(table["seen"]) == {1.0}
 
 

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from move.errors import BadInput
 from move.realworld import open_dataset
-from move.realworld.units import RANGES, UNITS, by_size, units_table
+from move.realworld.units import RANGES, UNITS, by_size
 
 # The rows of the table of known sources: joints scale, gripper values, unit of each, gripper in SI or 0..1.
 SOURCES = {
@@ -97,14 +97,16 @@ def test_half_a_gap_is_cautioned(tmp_path):
     assert "half the gap" in data.units.set_index("quantity").loc["gripper", "note"]
 
 
-@pytest.mark.parametrize(("text", "says"), [('"*": {joints: grad}', "'grad'; allowed: rad, deg, mdeg"),
-                                            ('"*": {speed: m}', "allowed"), ("- a list", "expected a YAML mapping"),
-                                            ("{broken", "not readable as YAML"), ])
+@pytest.mark.parametrize(("text", "says"), [
+    ('"*": {joints: grad}', "'grad'; allowed: rad, deg, mdeg"), ('"*": {speed: m}', "speed; allowed: time, joints"),
+    ("- a list", "expected a YAML mapping"), ("{broken", "not readable as YAML"),
+    ("elsewhere: {joints: deg}", "part 'elsewhere'; allowed: *, ."), ("'*': {time: h}", "'h'; allowed: s, ms, us, ns"),
+    ("'*': {joints: deg, joints: rad}", "'joints' stands twice"), ("'*': {arm: ur5}", "'ur5'; allowed: piper, other")])
 def test_a_bad_units_file_is_one_line(tmp_path, text, says):
-    file = tmp_path / "units.yaml"
-    file.write_text(text)
-    with pytest.raises(BadInput, match=says):
-        open_dataset(source(tmp_path / "d", 1.0, [0.0, 0.09, 0.0]), units_file=file)
+    (tmp_path / "units.yaml").write_text(text)
+    with pytest.raises(BadInput) as caught:
+        open_dataset(w.lerobot_v2(tmp_path / "d"), units_file=tmp_path / "units.yaml")
+    assert says in str(caught.value) and "\n" not in str(caught.value)
 
 
 @given(st.sampled_from(sorted(RANGES)), st.floats(0, 1e7))
@@ -114,7 +116,3 @@ def test_a_size_gives_one_known_unit_or_none(quantity, largest):
     if unit != "unknown":
         low, high = next((low, high) for low, high, name in RANGES[quantity] if name == unit)
         assert low <= largest <= high
-
-
-def test_table_columns():
-    assert list(units_table([]).columns) == ["part", "quantity", "unit", "decided_by", "lowest", "highest", "note"]

@@ -36,8 +36,9 @@ def episode(xy, gripper=None, method="move", index=0, frames=None):
                         cameras=cameras)
 
 
-def test_cells_fill_the_half_disc():
-    assert len(workspace.workspace_cells(0.01)) * 1.0 == pytest.approx(5655, rel=0.005), "0.5 pi 60 60 cm2"
+def test_cells_fill_the_half_disc(monkeypatch):
+    monkeypatch.setattr(workspace, "CELL_M", 0.01)
+    assert len(workspace.coverage(np.empty((0, 2)))) == pytest.approx(5655, rel=0.005), "0.5 pi 60 60 cm2"
 
 
 def test_coverage_counts_each_point_in_its_cell():
@@ -136,10 +137,11 @@ def test_object_speed_looks_before_the_grasp_only():
     assert row["mean_speed"] == pytest.approx(10) and row["travelled"] == pytest.approx(10) and row["unit"] == "px"
 
 
-def test_seen_share_counts_square_cells():
+def test_seen_share_counts_square_cells(monkeypatch):
+    monkeypatch.setattr(tracking, "CELLS_ACROSS", 4)
     places = pd.DataFrame({"row": [0.0, 4.9, 5.1, np.nan], "column": [0.0, 4.0, 9.9, 1.0], "height": 10, "width": 20})
-    assert tracking.seen_share(places, across=4) == 2 / 8
-    assert tracking.seen_share(places.iloc[3:], across=4) == 0
+    assert tracking.seen_share(places) == 2 / 8
+    assert tracking.seen_share(places.iloc[3:]) == 0
 
 
 def test_pictures_draw_without_disk_and_keep_their_colours():
@@ -161,7 +163,7 @@ def test_setup_figure_says_what_it_is(simulated):
     ]
     steps = workspace.path_table(episodes)
     figure = real_figures.setup_figure(workspace.coverage_by_method(steps), steps,
-                                      workspace.frame_strips(episodes, count=3), simulated=simulated)
+                                      workspace.frame_strips(episodes), simulated=simulated)
     assert (real_figures.SIMULATED_TEXT in [text.get_text() for text in figure.texts]) == simulated
     assert len([ax for ax in figure.axes if ax.get_label() != "<colorbar>"]) == 6
     plt.close(figure)

@@ -1,6 +1,6 @@
 """The speed figures of the README, each against a reference measured in the same run, on one core (`make bench`).
 
-    python tools/bench.py [PART ...]       collection, expert, keypoints, drawing, training, memory, lerobot;
+    python tools/bench.py [PART ...]       collection, expert, keypoints, drawing, training, memory;
                                           by default all, in this order
 
 A part by itself is printed only; the whole is written to paper_figures/bench.md.
@@ -8,9 +8,7 @@ A part by itself is printed only; the whole is written to paper_figures/bench.md
 
 from __future__ import annotations
 
-import json
 import os
-import subprocess
 import sys
 import time
 import warnings
@@ -29,18 +27,14 @@ from metaworld.policies import ENV_POLICY_MAP  # noqa: E402
 from rich.console import Console  # noqa: E402
 from rich.table import Table  # noqa: E402
 
-from move.exchange.lerobot_policy import PYTHON as LEROBOT  # noqa: E402
 from move.learn.agents import PolicyAgent  # noqa: E402
-from move.learn.diffusion import DiffusionPolicy  # noqa: E402
 from move.learn.evaluate import evaluate  # noqa: E402
 from move.learn.evaluation import Evaluation  # noqa: E402
-from move.learn.settings import Training  # noqa: E402
-from move.learn.train import Trainer, train  # noqa: E402
+from move.learn.train import train  # noqa: E402
 from move.machine import gl_problem, gl_renderer, keep_freed_memory, peak_memory_mb, processor  # noqa: E402
 from move.paper import PAPER_METHODS  # noqa: E402
-from move.paths import ROOT, figures  # noqa: E402
+from move.paths import figures  # noqa: E402
 from move.sim.collect import Collection, attempts, collect  # noqa: E402
-from move.sim.demonstrations import Demonstrations  # noqa: E402
 from move.sim.scene.scene import Scene  # noqa: E402
 from move.sim.tasks import get_task  # noqa: E402
 from move.study.plan import step_seconds  # noqa: E402
@@ -175,48 +169,9 @@ def bench_memory() -> None:
     report("peak memory", f"{peak_memory_mb():,.0f} MB", "", None, "<= 2,000 MB")
 
 
-def bench_lerobot() -> None:
-    """A gradient step and a chunk of actions beside LeRobot's diffusion policy at its own sizes, on made-up pictures.
-
-    Both see two frames of 96 px cropped to 84, in batches of 32, and plan 8 timesteps, the fewest that LeRobot's three
-    levels take.
-    """
-    if not LEROBOT.exists():
-        return report("LeRobot's diffusion policy", "", "not measured: `make test-lerobot` makes its environment", None,
-                      "")
-    sizes = {"batch": 32, "horizon": 8, "pixels": 96, "crop": 84, "inference_steps": 10}
-    theirs = json.loads(subprocess.run([LEROBOT, "-I", ROOT / "tools" / "lerobot_bench.py", *map(str, sizes.values())],
-                                       capture_output=True, text=True, check=True).stdout.splitlines()[-1])
-    beside = f"LeRobot, {theirs['parameters'] / 1e6:.1f} M"
-    same = {"batch_size": sizes["batch"], "prediction_horizon": sizes["horizon"], "crop_pixels": sizes["crop"],
-            "inference_steps": sizes["inference_steps"]}
-    for name in ("paper", "laptop"):
-        recipe = load_profile(name).training["rgb"].model_copy(update=same)
-        step, chunk, parameters = _step_and_chunk(recipe, sizes["pixels"])
-        size = f"{name}'s network, {parameters / 1e6:.1f} M"
-        report(f"gradient step, 32 windows x {recipe.noise_draws}; {size}", f"{step * 1e3:,.0f} CPU-ms",
-               f"{theirs['step'] * 1e3:,.0f} CPU-ms {beside}", theirs["step"] / step, "")
-        report(f"a chunk in 10 steps; {size}", f"{chunk * 1e3:,.1f} CPU-ms",
-               f"{theirs['chunk'] * 1e3:,.0f} CPU-ms {beside}", theirs["chunk"] / chunk, "")
-
-
-def _step_and_chunk(recipe: Training, pixels: int) -> tuple[float, float, int]:
-    """CPU-seconds of a gradient step and of one episode's chunk of actions, and the number of parameters."""
-    rng = np.random.default_rng(0)
-    images = rng.integers(256, size=(64, pixels, pixels, 3), dtype=np.uint8)
-    trainer = Trainer(Demonstrations(images, rng.uniform(-1, 1, (64, 4)).astype(np.float32), np.array([64])), recipe, 0,
-                      "cpu")
-    trainer.take_step()
-    step = min(cpu_seconds(trainer.take_step) for _ in range(2))
-    policy: DiffusionPolicy = trainer.ema_policy
-    generator = torch.Generator().manual_seed(0)
-    policy.act(images[None, :2], generator)
-    return step, cpu_seconds(lambda: policy.act(images[None, :2], generator)), trainer.report().parameters
-
-
 PARTS: dict[str, Callable[[], None]] = {
     "collection": bench_collection, "expert": bench_expert, "keypoints": bench_keypoint_run, "drawing": bench_drawing,
-    "training": bench_image_training, "memory": bench_memory, "lerobot": bench_lerobot,
+    "training": bench_image_training, "memory": bench_memory,
 }
 DRAWN = ("drawing", "training")
 

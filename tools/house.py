@@ -3,8 +3,7 @@
     python tools/house.py
 
 The lines of a test file are shared among the rooms that it imports, by how many modules of each. A back edge is an
-import of a room that lies later in the order in which data flow; a cycle is a set of files that import each other at
-their top level.
+import of a room that lies later in the order in which data flow.
 """
 
 from __future__ import annotations
@@ -12,6 +11,7 @@ from __future__ import annotations
 import ast
 from collections import Counter
 from collections.abc import Container, Iterator
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 from statistics import median
 
@@ -79,22 +79,14 @@ def back_edges(trees: dict[str, ast.Module]) -> list[str]:
     return sorted(f"{name} -> {other}" for name, other in found)
 
 
-def cycles(trees: dict[str, ast.Module]) -> list[set[str]]:
-    """Sets of files that import each other at their top level."""
+def cycle(trees: dict[str, ast.Module]) -> list[str]:
+    """Files that import each other at their top level, the first such circle; empty where there is none."""
     edges = {name: imports(tree, trees, everywhere=False) - {name} for name, tree in trees.items()}
-
-    def reached(start: str) -> set[str]:
-        seen: set[str] = set()
-        waiting = [start]
-        while waiting:
-            for other in edges[waiting.pop()] - seen:
-                seen.add(other)
-                waiting.append(other)
-        return seen
-
-    reach = {name: reached(name) for name in edges}
-    found = {frozenset(other for other in reach[name] if name in reach[other]) for name in edges if name in reach[name]}
-    return [set(names) for names in found]
+    try:
+        TopologicalSorter(edges).prepare()
+    except CycleError as error:
+        return error.args[1]
+    return []
 
 
 def main() -> None:
@@ -110,7 +102,7 @@ def main() -> None:
             tests[name] += len(path.read_text().splitlines()) * count / used.total()
     rows = [measure_room(name, paths[name], tests[name]) for name in ("move", *ORDER)]
     print(pd.DataFrame(rows).to_string(index=False))
-    print(f"cycles: {cycles(trees) or 'none'}\nback edges: {back_edges(trees) or 'none'}")
+    print(f"cycle: {cycle(trees) or 'none'}\nback edges: {back_edges(trees) or 'none'}")
 
 
 if __name__ == "__main__":

@@ -13,8 +13,6 @@ import sys
 import tempfile
 from pathlib import Path
 
-import platforms
-
 ROOT = Path(__file__).resolve().parent.parent
 CUDA = re.compile(r"^(nvidia-|cuda-|triton==)")
 HEADER = "# Written by `make lock` from pyproject.toml; do not edit.\n"
@@ -39,7 +37,7 @@ def local_torch_hash(pin: str) -> str:
 
 
 def main() -> None:
-    """Write the two lock files beside pyproject.toml, and on which platforms they can be installed."""
+    """Write the two lock files next to pyproject.toml."""
     blocks = resolve()
     for number, block in enumerate(blocks):
         if block.startswith("torch=="):
@@ -49,7 +47,6 @@ def main() -> None:
     for name, wanted in (("environment.lock", False), ("environment-cuda.lock", True)):
         kept = [block for block in blocks if bool(CUDA.match(block)) is wanted]
         (ROOT / name).write_text(HEADER + "\n".join(kept) + "\n")
-    platforms.main()
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Exports in LeRobot's own hands: it reads every number back, trains on them, and its policy is tried in a scene.
+"""Exports in LeRobot's own hands: it reads every number back and trains on them.
 
     python tools/test_lerobot.py build/lerobot-venv/bin/python     (`make test-lerobot` builds that environment, 8 GB)
 
@@ -7,7 +7,6 @@ Networks are small and trained for three steps: what is tested is that everythin
 
 from __future__ import annotations
 
-import json
 import os
 import shutil
 import subprocess
@@ -59,14 +58,12 @@ def exported(observation: str) -> Path:
     return place
 
 
-def trained(python: Path, place: Path, policy: str) -> Path:
+def train(python: Path, place: Path, policy: str) -> None:
     """Three steps of LeRobot's own training."""
-    out = place / policy
     command(python.parent / "lerobot-train", "--dataset.repo_id=local/x", f"--dataset.root={place / 'exported'}",
             "--dataset.video_backend=pyav", f"--policy.type={policy}", "--policy.push_to_hub=false",
             "--policy.device=cpu", "--steps=3", "--batch_size=8", "--num_workers=0", "--wandb.enable=false",
-            f"--output_dir={out}", *SMALL[policy])
-    return out
+            f"--output_dir={place / policy}", *SMALL[policy])
 
 
 def main() -> None:
@@ -81,11 +78,8 @@ def main() -> None:
         compared = command(python, "-I", ROOT / "tools" / "lerobot_reads.py", place / "exported", place)
         print(f"{observation}: {compared.strip()}")
         for policy in SMALL:
-            checkpoint = trained(python, place, policy)
-            tried = json.loads(move("evaluate", "--lerobot", checkpoint, "--lerobot-python", python,
-                                    "--episodes", "2", "--json"))
-            print(f"{observation}, {policy}: trained 3 steps; {tried['episodes']} episodes tried, "
-                  f"{tried['mean_steps']:.0f} steps each")
+            train(python, place, policy)
+            print(f"{observation}, {policy}: trained 3 steps")
 
 
 if __name__ == "__main__":

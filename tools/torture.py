@@ -3,8 +3,7 @@
 A grid of a few short trainings from keypoints, with a checkpoint every tenth of a second. Each kill is a SIGKILL of the
 command, of its whole group, or of one worker, at a random moment. When the grid is whole, every result's rows, curve
 and collection and every policy's weights have to be those of the undisturbed run, bit for bit, and no process and no
-half-written file may be left. `--orphans` kills the command alone at even moments of its first ten seconds, or of as
-many as the grid takes, and looks for what outlives it. Ctrl-C shows what was counted so far.
+half-written file may be left.
 """
 
 from __future__ import annotations
@@ -14,7 +13,6 @@ import json
 import os
 import random
 import shutil
-import signal
 import sys
 import tempfile
 import time
@@ -26,6 +24,8 @@ import psutil
 
 SOURCE = Path(__file__).resolve().parent.parent
 TARGETS = ("command", "group", "worker")
+BAD = ("rounds that differ", "commands that failed", "half-written files", "orphans")
+PATIENCE = 3.0  # seconds that a worker may outlive its command
 EARLY = 0.6  # of the undisturbed time: later a resumed command has often ended already
 CONTENT = ("spec", "rows", "collection")  # of a result, what a repetition has to give again
 PROFILE = """
@@ -70,14 +70,6 @@ class Grid:
             found[f"{path.parent.parent.name}/{path.name}"] = path.read_bytes()
         return found
 
-    def clear(self) -> None:
-        """Forget everything that was computed."""
-        shutil.rmtree(self.folder / "build", ignore_errors=True)
-
-    def leftovers(self) -> list[str]:
-        """Half-written files."""
-        return [path.name for path in self.folder.glob("build/**/*.part")]
-
 
 def kill(command: psutil.Popen, target: str, chance: random.Random) -> bool:
     """Kill the command, its group with all its workers, or one worker; False if that was gone already."""
@@ -92,73 +84,37 @@ def kill(command: psutil.Popen, target: str, chance: random.Random) -> bool:
         return False
 
 
-def outlived(workers: list[psutil.Process], seconds: float = 3.0) -> list[int]:
-    """Which of these processes are there some seconds after the command ended."""
-    _, alive = psutil.wait_procs(workers, timeout=seconds)
-    return [process.pid for process in alive]
-
-
-def torture(grid: Grid, expected: dict[str, object], kills: int, chance: random.Random, seconds: float,
-            counts: Counter[str]) -> None:
-    """Kill so often, each within EARLY of `seconds` of a start, go on until every begun grid is whole, and count."""
-    while sum(counts[target] for target in TARGETS) < kills or counts["rounds"] == 0:
-        grid.clear()
-        while not _goes_on_to_its_end(grid, kills, chance, seconds, counts):
+def torture(grid: Grid, expected: dict[str, object], kills: int, chance: random.Random, seconds: float) -> Counter[str]:
+    """Kill so often, each within EARLY of `seconds` of a start; go on until every begun grid is whole, and count."""
+    counts: Counter[str] = Counter()
+    while counts["kills"] < kills or counts["rounds"] == 0:
+        shutil.rmtree(grid.folder / "build", ignore_errors=True)
+        while not _came_to_its_end(grid, kills, chance, seconds, counts):
             pass
         counts["rounds"] += 1
         counts["rounds that differ"] += grid.outcome() != expected
-        counts["half-written files"] += len(grid.leftovers())
-        done = sum(counts[target] for target in TARGETS)
-        sys.stderr.write(f"{done} of {kills} kills, {counts['rounds']} rounds, {counts['rounds that differ']} differ\n")
+        counts["half-written files"] += len(list(grid.folder.glob("build/**/*.part")))
+        sys.stderr.write(f"{counts['kills']} of {kills} kills, {counts['rounds']} rounds\n")
+    return counts
 
 
-def _goes_on_to_its_end(grid: Grid, kills: int, chance: random.Random, seconds: float, counts: Counter[str]) -> bool:
-    """Start the command, kill at a random moment if there are kills left; whether it came to its end."""
-    command, target = grid.start(), chance.choice(TARGETS)
-    if sum(counts[name] for name in TARGETS) < kills:
+def _came_to_its_end(grid: Grid, kills: int, chance: random.Random, seconds: float, counts: Counter[str]) -> bool:
+    """Start the command, kill at a random moment if there are kills left; whether it did all its work."""
+    command, target, workers = grid.start(), chance.choice(TARGETS), []
+    if counts["kills"] < kills:
         with suppress(psutil.TimeoutExpired):
             command.wait(chance.uniform(0, EARLY * seconds))
-        workers = _children(command)
-        if kill(command, target, chance):
-            counts[target] += 1
-            if target != "worker":
-                command.wait()
-                counts["orphans"] += len(outlived(workers))
-    workers = _children(command)
+        with suppress(psutil.NoSuchProcess):
+            workers = command.children(recursive=True)
+        counts["kills"] += kill(command, target, chance)
+    if not workers or target == "worker":
+        with suppress(psutil.NoSuchProcess):
+            workers += command.children(recursive=True)
     code = command.wait()
-    counts["orphans"] += len(outlived(workers))
+    _, alive = psutil.wait_procs(workers, timeout=PATIENCE)
+    counts["orphans"] += len(alive)
     counts["commands that failed"] += code > 0
     return code == 0
-
-
-def aim(grid: Grid, kills: int, counts: Counter[str], latest: float) -> None:
-    """Kill the command alone, at moments evenly from 0 to `latest` seconds after its start; count what outlives it."""
-    for number in range(kills):
-        grid.clear()
-        command, started = grid.start(), time.monotonic()
-        while time.monotonic() - started < latest * number / max(kills - 1, 1) and command.poll() is None:
-            time.sleep(0.01)
-        workers = _children(command)
-        counts["command"] += kill(command, "command", random.Random(0))
-        command.wait()
-        counts["with workers"] += bool(workers)
-        counts["orphans"] += len(outlived(workers)) + len(_of(grid))
-
-
-def _children(command: psutil.Popen) -> list[psutil.Process]:
-    with suppress(psutil.NoSuchProcess):
-        return command.children(recursive=True)
-    return []
-
-
-def _of(grid: Grid) -> list[int]:
-    """Processes that work on the grid, whoever started them."""
-    found = []
-    for process in psutil.process_iter():
-        with suppress(psutil.Error):
-            if process.environ().get("MOVE_ROOT") == str(grid.folder):
-                found.append(process.pid)
-    return found
 
 
 def undisturbed(grid: Grid) -> tuple[dict[str, object], float]:
@@ -170,33 +126,21 @@ def undisturbed(grid: Grid) -> tuple[dict[str, object], float]:
 
 
 def main() -> None:
-    """Torture as told, print one table, and end with exit code 1 if anything differs or is left."""
+    """Torture as told, print what was counted, and end with exit code 1 if anything differs or is left."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--kills", type=int, default=20)
-    parser.add_argument("--orphans", type=int, default=0, help="kills of the command alone, at aimed moments")
     parser.add_argument("--seed", type=int, default=0, help="decides who is killed and when")
     parser.add_argument("--seeds", type=int, default=1, help="trainings a method")
     parser.add_argument("--steps", type=int, default=300, help="gradient steps of a training")
     given = parser.parse_args()
-    signal.signal(signal.SIGINT, signal.default_int_handler)  # in the background a shell has it ignored
     with tempfile.TemporaryDirectory() as folder:
         grid = Grid(Path(folder), given.seeds, given.steps)
         expected, seconds = undisturbed(grid)
-        counts, aimed = Counter(), Counter()
-        with suppress(KeyboardInterrupt):  # what was counted so far is shown
-            if given.kills:
-                torture(grid, expected, given.kills, random.Random(given.seed), seconds, counts)
-            aim(grid, given.orphans, aimed, max(seconds, 10))
-    lines = {f"kills of the {name}": counts[name] for name in TARGETS}
-    lines |= {name: counts[name] for name in ("rounds", "rounds that differ", "commands that failed",
-                                              "half-written files", "orphans")}
-    lines |= {"aimed kills": aimed["command"], "of them with workers": aimed["with workers"],
-              "orphans of those": aimed["orphans"]}
-    width = max(map(len, lines))
+        counts = torture(grid, expected, given.kills, random.Random(given.seed), seconds)
     print(f"undisturbed: {len(expected)} files in {seconds:.1f} s")
-    print("\n".join(f"{name:<{width}} {value:>5}" for name, value in lines.items()))
-    bad = ("rounds that differ", "commands that failed", "half-written files", "orphans", "orphans of those")
-    sys.exit(any(lines[name] for name in bad))
+    for name in ("kills", "rounds", *BAD):
+        print(f"{name:<20} {counts[name]:>5}")
+    sys.exit(any(counts[name] for name in BAD))
 
 
 if __name__ == "__main__":

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 import time
-from contextlib import ExitStack
 from pathlib import Path
 from typing import Annotated, Literal, Optional
 
@@ -173,17 +172,14 @@ def evaluate(
         help="where its episodes begin; listed: the authors' 20 configurations")] = "random",
     episodes: Annotated[Optional[int], typer.Option(help="how many, of random or moving starts (100)")] = None,
     factors: Annotated[Optional[Factors], typer.Option(help="what is random, unless starts are a grid (all)")] = None,
-    lerobot: Annotated[Optional[Path], typer.Option(help="instead: a policy that lerobot-train wrote")] = None,
-    lerobot_python: Annotated[Optional[Path], typer.Option(
-        help="a Python that has LeRobot (default: under build/)")] = None,
     seed: Seed = 0,
     profile: ProfileName = "laptop",
     as_json: Json = False,
 ) -> None:
     """Evaluate a policy, or a control, on the fixed configurations of a task."""
-    if sum((checkpoint is not None, lerobot is not None, run is not None, agent != "policy")) > 1:
-        raise BadInput("agent: more than one given; allowed is one of CHECKPOINT, --agent, --run and --lerobot")
-    if agent == "policy" and checkpoint is None and lerobot is None and run is None:
+    if sum((checkpoint is not None, run is not None, agent != "policy")) > 1:
+        raise BadInput("agent: more than one given; allowed is one of CHECKPOINT, --agent and --run")
+    if agent == "policy" and checkpoint is None and run is None:
         raise BadInput("checkpoint: none given; a policy needs the folder that `move train` wrote")
     given = {name: value for name, value in (("episodes", episodes), ("factors", factors)) if value is not None}
     if starts in ("grid", "listed") and given:
@@ -204,27 +200,21 @@ def evaluate(
 
     one_thread()
     plan = build(evaluating.Evaluation, starts=starts, **given)
-    with ExitStack() as stack:
-        who: agents.Agent
-        seen, name = KEYPOINTS, "lerobot" if lerobot else run or agent
-        if lerobot is not None:
-            from move.exchange.lerobot_policy import PYTHON, LeRobotAgent
-
-            served = stack.enter_context(LeRobotAgent(lerobot, lerobot_python or PYTHON, seed))
-            who, seen = served, served.observation
-        elif run is not None:
-            spec, policy = policies.of_run(run, load_profile(profile))
-            if task not in (None, spec.task):
-                raise BadInput(f"task: {task!r} given for a policy of {spec.task}; allowed is that task")
-            task, who, seen = spec.task, agents.PolicyAgent(policy, spec.seed), spec.collection.observed
-        elif checkpoint is not None:
-            task = task or learnt_task(checkpoint)
-            policy = load_policy(checkpoint, task=task or "")
-            who, seen = agents.PolicyAgent(policy, seed), policy.observation
-        else:
-            who = agents.CONTROLS[agent](seed)
-        task = task or "pick-place"
-        report = stack.enter_context(progress("evaluate"))
+    who: agents.Agent
+    seen, name = KEYPOINTS, run or agent
+    if run is not None:
+        spec, policy = policies.of_run(run, load_profile(profile))
+        if task not in (None, spec.task):
+            raise BadInput(f"task: {task!r} given for a policy of {spec.task}; allowed is that task")
+        task, who, seen = spec.task, agents.PolicyAgent(policy, spec.seed), spec.collection.observed
+    elif checkpoint is not None:
+        task = task or learnt_task(checkpoint)
+        policy = load_policy(checkpoint, task=task or "")
+        who, seen = agents.PolicyAgent(policy, seed), policy.observation
+    else:
+        who = agents.CONTROLS[agent](seed)
+    task = task or "pick-place"
+    with progress("evaluate") as report:
         rows = evaluating.evaluate(who, get_task(task), plan, seen, report)
     rate = float(np.mean([row["success"] for row in rows]))
     low, high = wilson_interval(rate, len(rows))

@@ -14,7 +14,6 @@ What would reach over the edge of an episode repeats its first or its last times
 
 import hashlib
 import json
-import math
 import re
 from collections.abc import Sequence
 from pathlib import Path
@@ -26,8 +25,8 @@ import zarr
 from move.errors import BadInput
 from move.files import put_away_remains, refuse_unwritable, written_aside
 from move.sim.demonstrations import Demonstrations, fingerprint
-from move.untrusted import within
-from move.untrusted_zarr import PlainGroup, judge
+from move.untrusted import bounded_memory, plain_files, within
+from move.untrusted_zarr import missing_chunks, opened_group, plain_array
 
 CHUNK_TIMESTEPS = 256
 OBSERVED = ("data/img", "data/keypoints", "data/state")  # the first one that is there
@@ -147,18 +146,18 @@ def load(path: Path, clip_actions: bool = False) -> tuple[Demonstrations, dict[s
 
     Raises:
         BadInput: there is no such group, a part of it is missing or damaged, one of `move collect` does not fit its
-            digest, something in it is no plain array (see
-            `move.untrusted_zarr`) or beyond the limits of `move.untrusted`, or actions that are not finite.
+            digest, something in it is no plain array (see `move.untrusted_zarr`) or beyond the limits of
+            `move.untrusted`, or actions that are not finite.
     """
     path = Path(path)
     if not path.exists():
         raise BadInput(f"no demonstrations at {path}")
     try:
-        judged = judge(path)
-        observed = next((name for name in OBSERVED if name in judged.arrays), OBSERVED[-1])
-        _refuse_too_much(judged, (observed, "data/action", "meta/episode_ends"))
-        with judged.opened() as group:
-            arrays = [_read(group, judged, name) for name in (observed, "data/action", "meta/episode_ends")]
+        if path.is_dir():
+            plain_files(path)
+        with bounded_memory("its arrays"), opened_group(path) as group:
+            observed = next((name for name in OBSERVED if name in group), OBSERVED[-1])
+            arrays = [_read(group, name) for name in (observed, "data/action", "meta/episode_ends")]
             attributes = dict(group.attrs)
         if MARK in attributes or DIGEST in attributes:
             _refuse_changed(arrays, attributes)
@@ -173,15 +172,6 @@ def load(path: Path, clip_actions: bool = False) -> tuple[Demonstrations, dict[s
     except Exception as error:  # zarr raises dozens of types; all mean "this store is not what it should be"
         reason = " ".join(str(error).split())
         raise BadInput(f"cannot read demonstrations from {path}: {type(error).__name__}: {reason}") from error
-
-
-def _refuse_too_much(judged: PlainGroup, names: Sequence[str]) -> None:
-    """Hold the declared sizes of the arrays that will be read against the limits."""
-    arrays = {name: judged.arrays[name] for name in names if name in judged.arrays}
-    within("memory_bytes", sum(about.shape[0] * about.row_bytes for about in arrays.values()), "all arrays together")
-    for name, about in arrays.items():
-        limit = "pixels" if len(about.shape) == 4 else "columns"
-        within(limit, math.prod(about.shape[1:3]), name)
 
 
 def _observations(observations: np.ndarray) -> np.ndarray:
@@ -211,16 +201,13 @@ def _actions(actions: np.ndarray, clip: bool) -> np.ndarray:
     return np.clip(actions, -1, 1) if clip else actions
 
 
-def _read(group: zarr.Group, judged: PlainGroup, name: str) -> np.ndarray:
-    """All numbers of an array whose description was judged."""
-    if name not in judged.arrays:
-        raise BadInput(f"{name} is missing; found {', '.join(sorted(judged.arrays)[:8]) or 'no array'}")
-    about = judged.arrays[name]
-    if about.dtype.kind == "c":
+def _read(group: zarr.Group, name: str) -> np.ndarray:
+    """All numbers of an array."""
+    array = plain_array(group, name)
+    if array.dtype.kind == "c":
         raise BadInput(f"{name} holds complex numbers, whose imaginary part would be lost; allowed: real numbers")
-    array = group[name]
-    if not isinstance(array, zarr.Array):
-        raise BadInput(f"{name} is a group; an array is needed")
-    if array.nchunks_initialized != array.nchunks:  # zarr itself would fill the gap with zeros
-        raise BadInput(f"{name} has {array.nchunks_initialized} of its {array.nchunks} chunks")
+    if array.ndim == 2:
+        within("columns", array.shape[1], name)
+    if array.size and (gap := missing_chunks(name, array)):
+        raise BadInput(gap)
     return np.asarray(array[:])

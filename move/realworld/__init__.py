@@ -4,7 +4,6 @@ dataset.py   open_dataset: the one way in
 hub.py       list a repository, cap its size, fetch chosen files of one commit
 detect.py    which layouts a list of file names holds
 formats/     one reader a layout -> Recording (units of the file)
-parquet.py   chosen columns of a parquet table, within the limits
 state_columns.py  which column of a state vector is what
 units.py     Recording -> RobotEpisode (SI units), with a table of how each unit was told
 frames.py    camera frames by the time of their timesteps, decoded when asked for

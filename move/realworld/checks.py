@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import hashlib
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 
 import numpy as np
@@ -17,10 +17,8 @@ from move.errors import BadInput
 from move.paper import REAL_SIZES_TIMESTEPS, TABLE6_REAL_MEAN_TIMESTEPS
 from move.realworld.dataset import RobotDataSet
 from move.realworld.episode import RobotEpisode
-from move.realworld.frames import Frames
 from move.realworld.piper import forward_kinematics, is_piper, outside_limits
 
-OUTCOMES = ("pass", "differs", "unknown")
 TOLERANCE = 0.05  # how far, as a share, a rate or a number of the paper may be missed
 ALLOWED_GAP_M = 0.02  # between a recorded pose and that of the joints
 
@@ -30,40 +28,46 @@ class Check:
     """One check, which passes, differs from what is stated or right, or is unknown for want of a quantity."""
 
     name: str
-    outcome: str  # one of `OUTCOMES`
+    outcome: str  # "pass", "differs" or "unknown"
     detail: str
 
 
 def check_dataset(data: RobotDataSet) -> list[Check]:
     """Make every check on the episodes that were read."""
     episodes = data.episodes
+    streams = ", ".join(sorted({stream for e in episodes for stream in e.lengths}))
+    cameras = [(e, camera) for e in episodes for camera in e.cameras]
+    units = list(data.units.itertuples())
+    unknown = [f"{row.part} {row.quantity}: {row.note}" if row.unit == "unknown" else "" for row in units]
+    notes = Counter(note for e in episodes for note in e.notes)
+
+    def each(name: str, judge: Callable[[RobotEpisode], str | None], good: str, absent: str = "") -> Check:
+        """A check of each episode that `judge` can judge: what is wrong, "", or None."""
+        told = [(e, judge(e)) for e in episodes]
+        return _check(name, [wrong and f"{_name(e)} {wrong}" for e, wrong in told if wrong is not None], good, absent)
+
     return [
         _check("every chosen episode can be read", [*data.unread, *[""] * len(episodes)], f"{len(episodes)} episodes"),
-        _check("all values are finite", [_each(e, e.not_finite) for e in episodes],
-               ", ".join(sorted({stream for e in episodes for stream in e.lengths}))),
-        _check("streams of an episode are equally long", [
-            _each(e, e.lengths) if len(set(e.lengths.values())) > 1 else "" for e in episodes if len(e.lengths) > 1],
-            "no stream was cut", "one stream alone"),
-        _check("episodes are as long as stated", [
-            f"{_name(e)} {e.timesteps} timesteps of {e.stated_timesteps}" if e.timesteps != e.stated_timesteps else ""
-            for e in episodes if e.stated_timesteps is not None], "timesteps are counted", "no length is stated"),
-        _check("timesteps are numbered in order", [_numbering(e) for e in episodes if e.numbering],
-               "each belongs to its episode", "timesteps have no numbers"),
+        each("all values are finite", lambda e: _counted(e.not_finite), streams),
+        each("streams of an episode are equally long", _unequal, "no stream was cut", "one stream alone"),
+        each("episodes are as long as stated", _length, "timesteps are counted", "no length is stated"),
+        each("timesteps are numbered in order", _numbering, "each belongs to its episode", "timesteps have no numbers"),
         _equal(episodes),
-        _check("no chunk of an array is missing", [f"{_name(e)} {', '.join(e.gaps)}" if e.gaps else "" for e in episodes
-                                                   if e.gaps is not None], "all are stored", "no layout of chunks"),
-        _check("every timestep has its frames", [_frames(e, name, frames) for e in episodes
-                                                 for name, frames in e.cameras.items()],
-               f"cameras {', '.join(sorted({name for e in episodes for name in e.cameras}))}", "no camera is recorded"),
+        each("no chunk of an array is missing", lambda e: None if e.gaps is None else ", ".join(e.gaps),
+             "all are stored", "no layout of chunks"),
+        _check("every timestep has its frames", [_frames(*camera) for camera in cameras],
+               f"cameras {', '.join(sorted({name for _, name in cameras}))}", "no camera is recorded"),
         _time(episodes),
-        _check("the rate is the stated one", [_rate(e) for e in episodes if e.fps and _steps_s(e).size],
-               "within 5 %", "no rate is stated, or no time stamps are recorded"),
-        _check("streams belong to the same time", [_own_times(e) for e in episodes if e.own_times],
-               "within half a timestep", "streams have no time stamps of their own"),
-        _units(data),
-        _limits(episodes),
+        each("the rate is the stated one", _rate, "within 5 %", "no rate is stated, or no time stamps are recorded"),
+        each("streams belong to the same time", _own_times, "within half a timestep",
+             "streams have no time stamps of their own"),
+        _check("all units are known", unknown, "; ".join(sorted({f"{row.quantity} {row.unit}" for row in units})),
+               "no quantity with a unit is recorded"),
+        each("joints stay within PIPER's limits", _limits, f"{sum(map(_has_pipers_joints, episodes))} episodes, slack "
+             "0.1 rad", f"no six joints of a PIPER; {_arms(episodes)}"),
         _kinematics(episodes),
-        _assumptions(episodes),
+        _check("nothing had to be assumed", [f"{note} ({count} episodes)" for note, count in notes.items()] or [""],
+               "everything was recorded"),
         _robot(data), *_sizes(data), *_mean_lengths(data),
     ]
 
@@ -85,22 +89,33 @@ def _name(episode: RobotEpisode) -> str:
     return f"{episode.part}/{episode.index}"
 
 
-def _each(episode: RobotEpisode, counts: Mapping[str, int]) -> str:
-    """The counts of an episode's streams in words; "" where there are none."""
-    told = ", ".join(f"{stream} {count}" for stream, count in counts.items())
-    return f"{_name(episode)} {told}" if told else ""
+def _counted(counts: Mapping[str, int]) -> str:
+    return ", ".join(f"{stream} {count}" for stream, count in counts.items())
 
 
-def _numbering(episode: RobotEpisode) -> str:
+def _unequal(episode: RobotEpisode) -> str | None:
+    if len(episode.lengths) < 2:
+        return None
+    return _counted(episode.lengths) if len(set(episode.lengths.values())) > 1 else ""
+
+
+def _length(episode: RobotEpisode) -> str | None:
+    stated = episode.stated_timesteps
+    if stated is None or stated == episode.timesteps:
+        return None if stated is None else ""
+    return f"{episode.timesteps} timesteps of {stated}"
+
+
+def _numbering(episode: RobotEpisode) -> str | None:
     """What is wrong with the numbers that an episode's timesteps carry."""
     steps = np.arange(episode.timesteps)
     for name, numbers in episode.numbering.items():
-        right = {"episode_index": np.full(len(steps), episode.index), "frame_index": steps}.get(
-            name, steps + numbers[:1])
+        first = {"episode_index": 0, "frame_index": 0}.get(name, numbers[0])
+        right = np.full(len(steps), episode.index) if name == "episode_index" else first + steps
         if not np.array_equal(numbers, right):
             where = int(np.argmax(numbers != right))
-            return f"{_name(episode)} {name} {numbers[where]:.0f} at timestep {where}, right is {right[where]:.0f}"
-    return ""
+            return f"{name} {numbers[where]:.0f} at timestep {where}, right is {right[where]:.0f}"
+    return "" if episode.numbering else None
 
 
 def _equal(episodes: Sequence[RobotEpisode]) -> Check:
@@ -116,9 +131,9 @@ def _equal(episodes: Sequence[RobotEpisode]) -> Check:
                   "one episode alone")
 
 
-def _frames(episode: RobotEpisode, camera: str, frames: Frames) -> str:
+def _frames(episode: RobotEpisode, camera: str) -> str:
     """What is wrong with a camera's frames: unreadable, some missing, or stored images that are not one a timestep."""
-    name = f"{_name(episode)} {camera}"
+    name, frames = f"{_name(episode)} {camera}", episode.cameras[camera]
     try:
         lacking, stored = int((frames.numbers() < 0).sum()), len(frames)
     except BadInput as error:
@@ -129,49 +144,50 @@ def _frames(episode: RobotEpisode, camera: str, frames: Frames) -> str:
     return "" if one_each else f"{name}: {stored} images for {episode.timesteps} timesteps"
 
 
-def _steps_s(episode: RobotEpisode) -> np.ndarray:
-    """Time from each timestep to the next, s, where it was recorded and its unit is known."""
+def _step_s(episode: RobotEpisode) -> float | None:
+    """Median time from a timestep to the next, s, where it was recorded and its unit is known."""
     steps = np.diff(episode.timestamps_s) if episode.timestamps is not None else np.empty(0)
-    return steps[np.isfinite(steps)]
+    steps = steps[np.isfinite(steps)]
+    return float(np.median(steps)) if steps.size else None
 
 
 def _time(episodes: Sequence[RobotEpisode]) -> Check:
     stamped = [(e, np.diff(e.timestamps)) for e in episodes if e.timestamps is not None and e.timesteps > 1]
-    rates = [1 / step for e in episodes if _steps_s(e).size and (step := float(np.median(_steps_s(e)))) > 0]
+    rates = [1 / step for e in episodes if (step := _step_s(e)) and step > 0]
     return _check("time increases", ["" if (steps > 0).all() else _name(e) for e, steps in stamped],
                   f"{np.median(rates):.1f} timesteps a second (median)" if rates else "its unit is unknown",
                   "no time stamps are recorded, or one timestep each")
 
 
-def _rate(episode: RobotEpisode) -> str:
-    step, fps = float(np.median(_steps_s(episode))), episode.fps or 0.0
-    return "" if abs(step * fps - 1) <= TOLERANCE else f"{_name(episode)} states {fps:g} Hz, its steps take {step:g} s"
+def _rate(episode: RobotEpisode) -> str | None:
+    step = _step_s(episode)
+    if step is None or not episode.fps:
+        return None
+    right = abs(step * episode.fps - 1) <= TOLERANCE
+    return "" if right else f"states {episode.fps:g} Hz, its steps take {step:g} s"
 
 
-def _own_times(episode: RobotEpisode) -> str:
+def _own_times(episode: RobotEpisode) -> str | None:
     """Which streams were read at another time than their timestep's."""
-    times = episode.timestamps if episode.timestamps is not None else np.empty(0)
-    half = np.median(np.abs(np.diff(times))) / 2 if len(times) > 1 else 0.0
-    off = [name for name, own in episode.own_times.items() if not (np.abs(own - times) <= half).all()]
-    return f"{_name(episode)} {', '.join(off)}" if off else ""
+    if not episode.own_times or episode.timestamps is None:
+        return None
+    half = np.median(np.abs(np.diff(episode.timestamps))) / 2 if episode.timesteps > 1 else 0.0
+    return ", ".join(name for name, own in episode.own_times.items()
+                     if not (np.abs(own - episode.timestamps) <= half).all())
 
 
-def _units(data: RobotDataSet) -> Check:
-    rows = list(data.units.itertuples())
-    return _check("all units are known", [f"{r.part} {r.quantity}: {r.note}" if r.unit == "unknown" else ""
-                                          for r in rows],
-                  "; ".join(sorted({f"{r.quantity} {r.unit}" for r in rows})), "no quantity with a unit is recorded")
+def _has_pipers_joints(episode: RobotEpisode) -> bool:
+    return is_piper(episode.robot) and episode.joints is not None and episode.joints.shape[1] == 6
 
 
-def _limits(episodes: Sequence[RobotEpisode]) -> Check:
-    shares = [(_name(e), outside_limits(e.joints)) for e in episodes
-              if is_piper(e.robot) and e.joints is not None and e.joints.shape[1] == 6]
-    return _check("joints stay within PIPER's limits", [f"{name} {100 * share:.0f} % of steps" if share else ""
-                                                        for name, share in shares],
-                  f"{len(shares)} episodes, slack 0.1 rad", f"no six joints of a PIPER; {arms(episodes)}")
+def _limits(episode: RobotEpisode) -> str | None:
+    if episode.joints is None or not _has_pipers_joints(episode):
+        return None
+    share = outside_limits(episode.joints)
+    return f"{100 * share:.0f} % of steps" if share else ""
 
 
-def arms(episodes: Sequence[RobotEpisode]) -> str:
+def _arms(episodes: Sequence[RobotEpisode]) -> str:
     """What the data say of the arm, in words."""
     named = sorted({e.robot or "" for e in episodes})
     return f"the arm: {', '.join(name or 'not named' for name in named)}"
@@ -181,29 +197,23 @@ def _kinematics(episodes: Sequence[RobotEpisode]) -> Check:
     """Compare the recorded pose with the pose that the joints give; catches wrong units, frames and tool offsets."""
     name = "recorded pose agrees with PIPER's kinematics"
     gaps = [np.linalg.norm(forward_kinematics(e.joints)[:, :3] - e.end_effector[:, :3], axis=1) for e in episodes
-            if is_piper(e.robot) and e.joints is not None and e.end_effector is not None and e.joints.shape[1] == 6]
+            if _has_pipers_joints(e) and e.joints is not None and e.end_effector is not None]
     known = np.concatenate([gap[np.isfinite(gap)] for gap in gaps]) if gaps else np.empty(0)
     if not known.size:
-        return Check(name, "unknown", f"needs six joints of a PIPER and a pose; {arms(episodes)}")
-    gap = float(np.median(known))
-    right = gap <= ALLOWED_GAP_M
-    return Check(name, "pass" if right else "differs", f"median distance {100 * gap:.1f} cm"
-                 + ("" if right else ": another frame, a tool offset, another arm, or wrong units"))
-
-
-def _assumptions(episodes: Sequence[RobotEpisode]) -> Check:
-    notes = Counter(note for e in episodes for note in e.notes)
-    return _check("nothing had to be assumed", [f"{note} ({count} episodes)" for note, count in notes.items()] or [""],
-                  "everything was recorded")
+        return Check(name, "unknown", f"needs six joints of a PIPER and a pose; {_arms(episodes)}")
+    gap_m = float(np.median(known))
+    if gap_m <= ALLOWED_GAP_M:
+        return Check(name, "pass", f"median distance {100 * gap_m:.1f} cm")
+    return Check(name, "differs", f"median distance {100 * gap_m:.1f} cm: another frame, a tool offset, another arm, "
+                 "or wrong units")
 
 
 def _robot(data: RobotDataSet) -> Check:
-    flags = {e.simulated for e in data.episodes}
     if data.simulated:
         return Check("a robot was involved", "differs", "the data say that they are simulated")
-    known = None not in flags
-    return Check("a robot was involved", "pass" if known else "unknown", "each episode says so" if known else
-                 "the data do not say whether they are simulated")
+    if None in {e.simulated for e in data.episodes}:
+        return Check("a robot was involved", "unknown", "the data do not say whether they are simulated")
+    return Check("a robot was involved", "pass", "each episode says so")
 
 
 def _sizes(data: RobotDataSet) -> list[Check]:

@@ -13,11 +13,11 @@ from move import paths
 from move.errors import BadInput
 from move.realworld import hub
 from move.realworld.detect import detect
-from move.realworld.episode import EpisodeRef, Part, Recording, RobotEpisode, method_of
+from move.realworld.episode import EpisodeRef, Part, RobotEpisode, method_of
 from move.realworld.formats import LAYOUTS
 from move.realworld.units import UnitRow, convert, detect_units, read_units_file, units_table
 from move.realworld.untrusted_names import plain_text
-from move.untrusted import plain_files, read_json, reading, within
+from move.untrusted import bounded_memory, plain_files, read_json, reading, within
 
 # A file of this name at the root of a data set says that no robot was involved.
 SIMULATED = "SIMULATED.json"
@@ -67,40 +67,52 @@ def open_dataset(data: str | Path = hub.REPOSITORY, *, revision: str | None = hu
     Raises:
         BadInput: one line that names what was given, what was found and what is allowed.
     """
+    remote = None
     if Path(data).is_dir():
         if revision is not None:
             raise BadInput(f"revision {revision!r} was given with the folder {data}; a folder has no revision")
-        root, remote = Path(data), None
+        root = Path(data)
         plain_text(root.resolve().name, "the folder's own name")
-        parts = detect(list(plain_files(root)), root)
+        parts = detect(plain_files(root), root)
     elif str(data).count("/") == 1 and not Path(data).is_absolute() and not str(data).startswith("."):
         remote = hub.list_remote(str(data), revision, folder, log=log)
         root = remote.folder
         parts = detect(list(remote.files), root)
-        hub.fetch(remote, _metadata(parts, remote), size_cap_gb=size_cap_gb, log=log)
     else:
         raise BadInput(f"data {str(data)!r} is no folder on this machine, and no owner/name of the Hub")
-    overrides = read_units_file(units_file, [part.name for part in parts])
-    chosen = {part.name: _choose(_episodes(part), episodes, part) for part in parts}
+    given = read_units_file(units_file, [part.name for part in parts])
     if remote:
-        names = [_prefix(part, remote) + file for part in parts for ref in chosen[part.name][1] for file in ref.files]
-        hub.fetch(remote, names, size_cap_gb=size_cap_gb, log=log)
-        chosen = {part.name: _choose(_episodes(part), episodes, part) for part in parts}  # what came now is judged too
-    return _read(str(data), remote.revision if remote else None, root, parts, chosen, overrides, log)
+        _fetch(remote, parts, episodes, size_cap_gb, log)
+    with bounded_memory(root):
+        pieces = [_read(part, episodes, given[part.name], log) for part in parts]
+    read = tuple(episode for piece in pieces for episode in piece.episodes)
+    unread = tuple(line for piece in pieces for line in piece.unread)
+    if not read:
+        raise BadInput(unread[0] if unread else f"{root}: no episodes in {[part.name for part in parts]}")
+    about = _about(root / SIMULATED)
+    return RobotDataSet(str(data), remote.revision if remote else None, root, read,
+                        pd.DataFrame([piece.summary for piece in pieces]),
+                        units_table([row for piece in pieces for row in piece.units]), unread,
+                        bool(about) or any(episode.simulated for episode in read), about)
 
 
-def _prefix(part: Part, remote: hub.Remote) -> str:
-    """The part's folder inside the repository, with a slash behind, or nothing."""
-    inner = part.root.relative_to(remote.folder).as_posix()
-    return "" if inner == "." else inner + "/"
+def _fetch(remote: hub.Remote, parts: Sequence[Part], episodes: int | Sequence[int] | None, size_cap_gb: float,
+           log: hub.Log) -> None:
+    """Fetch what tells the episodes, then the chosen ones."""
+    names = [file for file in remote.files if file == SIMULATED]
+    for part in parts:
+        inner = part.root.relative_to(remote.folder)
+        names += [(inner / file).as_posix() for file in LAYOUTS[part.layout].metadata(part.files)]
+    hub.fetch(remote, names, size_cap_gb=size_cap_gb, log=log)
+    names = []
+    for part in parts:
+        inner = part.root.relative_to(remote.folder)
+        for ref in _choose(part, _listed(part), episodes):
+            names += [(inner / file).as_posix() for file in ref.files]
+    hub.fetch(remote, names, size_cap_gb=size_cap_gb, log=log)
 
 
-def _metadata(parts: Sequence[Part], remote: hub.Remote) -> list[str]:
-    names = [_prefix(part, remote) + file for part in parts for file in LAYOUTS[part.layout].metadata(part.files)]
-    return names + [file for file in remote.files if file == SIMULATED]
-
-
-def _episodes(part: Part) -> list[EpisodeRef]:
+def _listed(part: Part) -> list[EpisodeRef]:
     """All episodes of a part."""
     with reading(part.root, f"a data set of the layout {LAYOUTS[part.layout].title}"):
         refs = LAYOUTS[part.layout].episodes(part)
@@ -111,46 +123,48 @@ def _episodes(part: Part) -> list[EpisodeRef]:
     return refs
 
 
-def _choose(refs: list[EpisodeRef], episodes: int | Sequence[int] | None,
-            part: Part) -> tuple[list[EpisodeRef], list[EpisodeRef]]:
-    """All episodes of a part, and the chosen ones."""
+def _choose(part: Part, refs: Sequence[EpisodeRef], episodes: int | Sequence[int] | None) -> Sequence[EpisodeRef]:
+    """The chosen ones of a part's episodes."""
     if episodes is None:
-        return refs, refs
+        return refs
     if isinstance(episodes, int):
         if episodes < 1:
             raise BadInput(f"episodes={episodes}: allowed are a number from 1 on, a list of episode numbers, or None")
-        return refs, refs[:episodes]
+        return refs[:episodes]
     known = {ref.index: ref for ref in refs}
-    missing = sorted(set(episodes) - set(known))
-    if missing:
+    if missing := sorted(set(episodes) - set(known)):
         raise BadInput(f"{part.root} has no episode {missing[0]}; it has {len(refs)}, "
                        f"{min(known, default=0)}..{max(known, default=0)}")
-    return refs, [known[index] for index in episodes]
+    return [known[index] for index in episodes]
 
 
-def _read(source: str, revision: str | None, root: Path, parts: Sequence[Part], chosen: dict, overrides: dict,
-          log: hub.Log) -> RobotDataSet:
-    """Read the chosen episodes of every part; an episode that cannot be read is named and left out."""
-    episodes: list[RobotEpisode] = []
-    rows: list[UnitRow] = []
-    contents, unread, held = [], [], 0
-    for part in parts:
-        refs, wanted = chosen[part.name]
-        recordings, failed, held = _recordings(part, wanted, held)
-        unread += failed
-        mine: list[RobotEpisode] = []
-        if recordings:
-            units = detect_units(recordings, overrides)
-            rows += units
-            mine = [convert(recording, units, overrides, _method(part)) for recording in recordings]
-            episodes += mine
-        log(f"{part.name}: {LAYOUTS[part.layout].title}, read {len(recordings)} of {len(refs)} episodes")
-        contents.append(_summary(part, refs, mine))
-    if not episodes:
-        raise BadInput(unread[0] if unread else f"{root}: no episodes in {[part.name for part in parts]}")
-    about = _about(root / SIMULATED)
-    return RobotDataSet(source, revision, root, tuple(episodes), pd.DataFrame(contents), units_table(rows),
-                        tuple(unread), bool(about) or any(episode.simulated for episode in episodes), about)
+@dataclass(frozen=True)
+class _Piece:
+    """What was read of one part."""
+
+    episodes: list[RobotEpisode]
+    units: list[UnitRow]
+    unread: list[str]
+    summary: dict  # a row of `RobotDataSet.contents`
+
+
+def _read(part: Part, episodes: int | Sequence[int] | None, given: dict[str, str], log: hub.Log) -> _Piece:
+    """Read the chosen episodes of a part; one that cannot be read is named and left out."""
+    layout, refs = LAYOUTS[part.layout], _listed(part)
+    recordings, unread = [], []
+    for ref in _choose(part, refs, episodes):
+        try:
+            recordings.append(layout.read(part, ref))
+        except BadInput as error:
+            unread.append(str(error))
+    units, method = detect_units(recordings, given) if recordings else [], given.get("method", _method(part))
+    read = [convert(recording, units, given, method) for recording in recordings]
+    log(f"{part.name}: {layout.title}, read {len(read)} of {len(refs)} episodes")
+    found = {episode.index: episode.timesteps for episode in read}
+    lengths = [found.get(ref.index, ref.timesteps) for ref in refs]
+    total = float("nan") if None in lengths else float(sum(length or 0 for length in lengths))
+    return _Piece(read, units, unread, {"part": part.name, "method": method, "layout": layout.title,
+                                        "episodes": len(refs), "timesteps": total, "episodes_read": len(read)})
 
 
 def _about(mark: Path) -> dict:
@@ -162,32 +176,7 @@ def _about(mark: Path) -> dict:
     return about
 
 
-def _recordings(part: Part, refs: Sequence[EpisodeRef], held: int) -> tuple[list[Recording], list[str], int]:
-    """Read episodes; `held` bytes are in memory already, and how many there are then is returned too."""
-    recordings, failed = [], []
-    for ref in refs:
-        try:
-            recording = LAYOUTS[part.layout].read(part, ref)
-            held = within("memory_bytes", held + recording.held_bytes, f"{part.root}: all episodes together")
-            recordings.append(recording)
-        except BadInput as error:
-            failed.append(str(error))
-    return recordings, failed, held
-
-
 def _method(part: Part) -> str:
     """How a part was collected: by its folder's name; the name MOVE alone is the repository's and tells nothing."""
     name = part.root.resolve().name if part.name == "." else part.name
     return "unknown" if name == "MOVE" and part.name == "." else method_of(name)
-
-
-def _summary(part: Part, refs: Sequence[EpisodeRef], read: Sequence[RobotEpisode]) -> dict:
-    """One row of `contents`; the total is known where each episode was read or states its length."""
-    found = {episode.index: episode.timesteps for episode in read}
-    lengths = [found.get(ref.index, ref.timesteps) for ref in refs]
-    return {
-        "part": part.name, "method": read[0].method if read else _method(part), "layout": LAYOUTS[part.layout].title,
-        "episodes": len(refs),
-        "timesteps": float("nan") if None in lengths else float(sum(length or 0 for length in lengths)),
-        "episodes_read": len(read),
-    }

@@ -12,9 +12,9 @@ from move.realworld.episode import Part
 from move.realworld.untrusted_names import is_hidden, safe_name
 from move.untrusted import within
 
-EXPECTED = ("meta/info.json (LeRobot v2.1 or v3.0), episode*/camera|arm|gripper|localization/ (Pika raw tree), "
+_EXPECTED = ("meta/info.json (LeRobot v2.1 or v3.0), episode*/camera|arm|gripper|localization/ (Pika raw tree), "
             "*.hdf5 or *.h5 (Pika, ACT, RoboMIND), or meta/episode_ends in a zarr folder or *.zarr.zip")
-ARCHIVES = (".zip", ".tar", ".tar.gz", ".tgz", ".7z", ".rar", ".zst")
+_ARCHIVES = (".zip", ".tar", ".tar.gz", ".tgz", ".7z", ".rar", ".zst")
 
 _LEROBOT = re.compile(r"(?P<root>(?:.*/)?)meta/info\.json")
 _ZARR = re.compile(r"(?P<root>(?:.*/)?)meta/episode_ends/(?:\.zarray|zarr\.json)")
@@ -49,7 +49,7 @@ def detect(files: Sequence[str], root: Path) -> list[Part]:
             parts.append(part)
     parts = [part for part in parts if part.files]
     if not parts:
-        raise BadInput(f"{root}: no known layout; found {describe(files)}; expected {EXPECTED}")
+        raise BadInput(f"{root}: no known layout; found {_describe(files)}; expected {_EXPECTED}")
     return sorted(parts, key=lambda part: part.name)
 
 
@@ -71,15 +71,10 @@ def _claim(prefix: str, layout: str, left: set[str], root: Path) -> Part:
     return Part(prefix.rstrip("/") or ".", layout, root / prefix, files)
 
 
-def describe(files: Sequence[str]) -> str:
-    """Say in one line what a listing holds: how many files of which ending, the first names, and archives.
-
-    >>> describe(["a.zip", "README.md"])
-    '2 files (1 .md, 1 .zip), such as README.md, a.zip; unpack a.zip first and give the folder'
-    """
-    endings = Counter(Path(file).suffix or "(no ending)" for file in files)
-    counts = ", ".join(
-        f"{count} {ending}" for ending, count in sorted(endings.items(), key=lambda e: (-e[1], e[0]))[:6])
+def _describe(files: Sequence[str]) -> str:
+    """What a listing holds, in one line: how many files of which ending, the first names, and archives."""
+    endings = Counter(Path(file).suffix or "(no ending)" for file in sorted(files)).most_common(6)
+    counts = ", ".join(f"{count} {ending}" for ending, count in endings)
     text = f"{len(files)} files ({counts}), such as {', '.join(sorted(files)[:4])}" if files else "no files"
-    packed = [file for file in sorted(files) if file.endswith(ARCHIVES)]
+    packed = [file for file in sorted(files) if file.endswith(_ARCHIVES)]
     return text + (f"; unpack {packed[0]} first and give the folder" if packed else "")

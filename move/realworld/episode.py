@@ -78,13 +78,6 @@ class Recording:
         streams = (self.timestamps, self.joints, self.end_effector, self.gripper, self.action, self.state)
         return next((len(stream) for stream in streams if stream is not None), 0)
 
-    @property
-    def held_bytes(self) -> int:
-        """Bytes of its streams and of those images that are in memory."""
-        streams = (self.timestamps, self.joints, self.end_effector, self.gripper, self.action, self.state)
-        return sum(stream.nbytes for stream in streams if stream is not None) + sum(
-            frames.held_bytes for frames in self.cameras.values())
-
 
 @dataclass(frozen=True)
 class RobotEpisode(Recording):

@@ -3,8 +3,7 @@
 A frame of a video belongs to a timestep by its time: it is the nearest one, and none where the nearest is more than
 half a frame away. A stored image belongs to the timestep of its number.
 
-OpenCV is not used: its wheel cannot read AV1, the codec LeRobot writes by default. A frame's size is known before it is
-decoded: Pillow reads an image's header first, and FFmpeg is told how many pixels are allowed.
+OpenCV is not used: its wheel cannot read AV1, the codec LeRobot writes by default.
 """
 
 from __future__ import annotations
@@ -21,7 +20,7 @@ import numpy as np
 from PIL import Image as Pillow
 
 from move.errors import BadInput
-from move.untrusted import limits, reading, within
+from move.untrusted import reading, within
 
 IMAGES, VIDEOS = ("JPEG", "PNG"), "mov,mp4,m4a,3gp,3g2,mj2,matroska,webm"
 CLOCK_S = 1e-4  # rounding of a time stamp in float32, or in a video's own unit of time
@@ -41,7 +40,6 @@ class Frames:
     count: Callable[[], int]  # of stored images
     load: Callable[[Sequence[int]], Iterable[Image]]
     bgr: bool = False
-    held_bytes: int = 0  # of encoded images that are already in memory
     place: Callable[[np.ndarray], np.ndarray] | None = None
     times_s: np.ndarray | None = None  # (T,) of the timesteps, NaN where unknown; None: as many as images
 
@@ -89,26 +87,18 @@ class Frames:
             lacking = steps[int(np.argmax(numbers[steps] < 0))]
             raise BadInput(f"{self.source}: timestep {lacking} has no frame within half a frame of its time")
         wanted, places = np.unique(numbers[steps], return_inverse=True)
-        images: list[np.ndarray] = []
         with reading(self.source, "images"):
-            for image in self.load(wanted.tolist()):
-                images.append(as_rgb(image, self.source))
-                within("memory_bytes", 2 * len(steps) * images[-1].nbytes, f"{self.source}: {len(steps)} frames")
+            images = [_as_rgb(image, self.source) for image in self.load(wanted.tolist())]
             if len(images) != len(wanted):
                 raise BadInput(f"{self.source}: asked for {len(wanted)} frames, found {len(images)}")
             stack = np.stack(images)[places]
         return stack[..., ::-1] if self.bgr else stack
 
 
-def as_rgb(image: Image, where: str) -> np.ndarray:
-    """Turn encoded bytes or an array in HWC, CHW or HW order into (height, width, 3) uint8.
-
-    Raises:
-        BadInput: another dtype or shape.
-    """
+def _as_rgb(image: Image, where: str) -> np.ndarray:
+    """Encoded bytes, or an array in HWC, CHW or HW order, as (height, width, 3) uint8."""
     if isinstance(image, bytes | np.void) or (image.dtype == np.uint8 and image.ndim == 1):
-        return decode_image(image if isinstance(image, bytes) else image.tobytes(), where)
-    within("pixels", image.size // 3, f"image in {where}")
+        return _decode_image(image if isinstance(image, bytes) else image.tobytes())
     if image.dtype != np.uint8 or image.ndim not in (2, 3):
         raise BadInput(f"image in {where}: found {image.dtype} {image.shape}; expected uint8, HWC, CHW or HW")
     if image.ndim == 2:
@@ -120,11 +110,9 @@ def as_rgb(image: Image, where: str) -> np.ndarray:
     return image
 
 
-def decode_image(data: bytes, where: str) -> np.ndarray:
+def _decode_image(data: bytes) -> np.ndarray:
     """Decode a JPEG or PNG to (height, width, 3) uint8, red first; zero padding behind the image is ignored."""
-    within("image_bytes", len(data), f"image in {where}")
     with Pillow.open(io.BytesIO(data), formats=IMAGES) as image:
-        within("pixels", image.width * image.height, f"image in {where}")
         return np.asarray(image.convert("RGB"))
 
 
@@ -136,9 +124,8 @@ def nearest(stamps: np.ndarray, times: np.ndarray) -> np.ndarray:
 
 
 def _opened(path: Path) -> av.container.InputContainer:
-    """Open a video in a known container, which can name no other file, with frames of no more pixels than allowed."""
-    options = {"protocol_whitelist": "file", "format_whitelist": VIDEOS, "max_pixels": str(limits().pixels)}
-    return av.open(str(path.absolute()), options=options)
+    """Open a video in a known container, which can name no other file."""
+    return av.open(str(path.absolute()), options={"protocol_whitelist": "file", "format_whitelist": VIDEOS})
 
 
 def from_video(path: Path, *, start_s: float | None = 0.0, earlier: int = 0, total: int | None = None) -> Frames:
@@ -210,8 +197,6 @@ def _decode(path: Path, numbers: Sequence[int]) -> Iterable[np.ndarray]:
     ticks = _ticks(path, about.st_mtime_ns, about.st_size)[0][list(numbers)].tolist()
     with _opened(path) as container:
         stream = container.streams.video[0]
-        within("pixels", stream.codec_context.width * stream.codec_context.height, path)
-        stream.codec_context.options = {"max_pixels": str(limits().pixels)}
         container.seek(ticks[0], stream=stream, backward=True)
         wanted = set(ticks)
         for frame in container.decode(stream):
@@ -232,18 +217,12 @@ def from_files(paths: Sequence[Path]) -> Frames:
             raise BadInput(f"{lacking[0]}: no such image; {len(lacking)} of {len(paths)} are missing")
         return len(paths)
 
-    def load(numbers: Sequence[int]) -> Iterable[bytes]:
-        for number in numbers:
-            within("image_bytes", paths[number].stat().st_size, paths[number])
-            yield paths[number].read_bytes()
-
-    return Frames(source, count, load)
+    return Frames(source, count, lambda numbers: (paths[number].read_bytes() for number in numbers))
 
 
 def from_bytes(images: Sequence[bytes], source: str) -> Frames:
     """Encoded images already in memory, as in a parquet column."""
-    return Frames(source, lambda: len(images), lambda numbers: (images[n] for n in numbers),
-                  held_bytes=sum(map(len, images)))
+    return Frames(source, lambda: len(images), lambda numbers: (images[number] for number in numbers))
 
 
 def from_hdf5(path: Path, key: str, *, bgr: bool = False) -> Frames:

@@ -13,21 +13,14 @@ import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from huggingface_hub import HfApi, constants
-from huggingface_hub.errors import (
-    EntryNotFoundError,
-    GatedRepoError,
-    HfHubHTTPError,
-    HFValidationError,
-    RepositoryNotFoundError,
-    RevisionNotFoundError,
-)
-from huggingface_hub.utils import httpx
+from huggingface_hub import HfApi
+from huggingface_hub.errors import GatedRepoError, RepositoryNotFoundError, RevisionNotFoundError
 
 from move.errors import BadInput
+from move.files import written_aside
 from move.realworld.untrusted_names import inside, safe_name
 from move.untrusted import plain_files, read_json, within
 
@@ -55,61 +48,41 @@ class Remote:
     files: Mapping[str, int]  # name -> bytes
 
 
-def check_revision(revision: str) -> str:
-    """Accept a full commit and nothing else: a branch or a tag can move.
-
-    >>> check_revision("main")
-    Traceback (most recent call last):
-    move.errors.BadInput: revision 'main': allowed is a full commit of 40 hexadecimal digits
-    """
+def _check_revision(revision: str) -> str:
+    """Accept a full commit and nothing else: a branch or a tag can move."""
     if not re.fullmatch(r"[0-9a-f]{40}", revision):
         raise BadInput(f"revision {revision!r}: allowed is a full commit of 40 hexadecimal digits")
     return revision
 
 
 @contextmanager
-def plainly(repo_id: str, revision: str | None, endpoint: str = constants.ENDPOINT) -> Iterator[None]:
-    """Turn what the Hub's client raises into one line that says what to do.
-
-    Args:
-        endpoint: the address that is asked, for the message.
-
-    Raises:
-        BadInput: gated, missing, wrong revision, no network, an answer of another kind, or no room on the disk.
-    """
-    where = f"{repo_id}@{revision or 'newest'} ({endpoint})"
+def _plainly(repo_id: str, revision: str | None, endpoint: str) -> Iterator[None]:
+    """Turn what the Hub's client raises into one line that says what to do."""
     try:
         yield
     except BadInput:
         raise
-    except Exception as error:  # the last of them is what the client raises while it reads an answer of something else
-        name = f"{type(error).__name__}: {_short(error)}"
-        kept = isinstance(error, OSError) and error.errno in DISK_ERRORS
-        raise BadInput(f"{where}" + next(meaning for kind, meaning in (
-            (GatedRepoError, f" is gated: accept its terms on {endpoint}/datasets/{repo_id}, run `hf auth login`, then "
-             "try again"),
-            (RevisionNotFoundError, ": no such commit in this repository; leave the revision empty to take the newest"),
-            (RepositoryNotFoundError, ": no such data set, or it is private; check the name, or run `hf auth login`"),
-            (EntryNotFoundError, f": a file that was listed is not there, or there is no network: {_short(error)}"),
-            (HFValidationError, f": {repo_id!r} is no repository name; allowed is owner/name: {_short(error)}"),
-            (HfHubHTTPError, f": the Hub refused: {_short(error)}"),
-            (OSError if kept else (), f": cannot be kept on this disk: {_short(error)}"),
-            ((OSError, httpx.HTTPError), f": no network, or the Hub did not answer ({name}); give a local folder "
-             "instead, or try again: files already fetched are kept"),
-            (Exception, f": what answered is no Hub, or a proxy's page came instead ({name})"),
-        ) if isinstance(error, kind))) from error
-
-
-def _short(error: Exception) -> str:
-    return " ".join(str(error).split())[:120]
+    except Exception as error:  # the client raises dozens of types, also while it reads an answer of something else
+        said = f"{type(error).__name__}: {' '.join(str(error).split())[:120]}"
+        if isinstance(error, GatedRepoError):
+            what = f"it is gated: accept its terms on {endpoint}/datasets/{repo_id}, run `hf auth login`, try again"
+        elif isinstance(error, RevisionNotFoundError):
+            what = "no such commit in this repository; leave the revision empty to take the newest"
+        elif isinstance(error, RepositoryNotFoundError):
+            what = "no such data set, or it is private; check the name, or run `hf auth login`"
+        elif isinstance(error, OSError) and error.errno in DISK_ERRORS:
+            what = f"it cannot be kept on this disk ({said})"
+        else:
+            what = (f"no network, or what answered is no Hub ({said}); give a local folder instead, or try again: "
+                    "files already fetched are kept")
+        raise BadInput(f"{repo_id}@{revision or 'newest'} ({endpoint}): {what}") from error
 
 
 def list_remote(repo_id: str, revision: str | None, folder: Path, *, log: Log = silent) -> Remote:
     """List a repository at one commit; fetch nothing.
 
     The listing is kept as `SOURCE.json` under `folder/<owner>--<name>/<commit>/`, so a pinned commit that was
-    listed once needs no network again. Only a listing that was judged is kept, and one that is not as it was kept is
-    asked for again.
+    listed once needs no network again.
 
     Args:
         repo_id: owner/name of a data set.
@@ -118,40 +91,35 @@ def list_remote(repo_id: str, revision: str | None, folder: Path, *, log: Log = 
         log: takes one line of progress.
 
     Raises:
-        BadInput: see `check_revision`, `plainly` and `_judged`.
+        BadInput: no full commit, no network, a data set that is missing or gated, or an answer that is no listing.
     """
-    api = HfApi()
-    if revision is None:
-        with plainly(repo_id, None, api.endpoint):
-            revision = str(api.dataset_info(repo_id, timeout=TIMEOUT_S).sha)
-        log(f"{repo_id}: newest commit is {revision}; pin it to read the same data again")
-    target = folder / safe_name(repo_id, "the repository name").replace("/", "--") / check_revision(revision)
-    files = _kept(target / LISTING)
-    if files is None:
-        where = f"{repo_id}@{revision} ({api.endpoint})"
-        with plainly(repo_id, revision, api.endpoint):
-            tree = api.list_repo_tree(repo_id, recursive=True, revision=revision, repo_type="dataset")
-            files = _judged(((entry.path, entry.size) for entry in tree if hasattr(entry, "size")), where)
-    remote = Remote(repo_id, revision, target, files)
-    _keep(remote)
-    total = sum(files.values()) / 1e9
-    log(f"{repo_id}@{revision[:8]}: {len(files)} files, {total:.2f} GB in all")
+    home = folder / safe_name(repo_id, "the repository name").replace("/", "--")
+    files = _kept(home / _check_revision(revision) / LISTING) if revision else None
+    if revision is None or files is None:
+        api = HfApi()
+        with _plainly(repo_id, revision, api.endpoint):
+            about = api.dataset_info(repo_id, revision=revision, files_metadata=True, timeout=TIMEOUT_S)
+            files = _judged(((file.rfilename, file.size) for file in about.siblings or ()),
+                            f"{repo_id}@{revision or 'newest'} ({api.endpoint})")
+        if revision is None:
+            revision = _check_revision(str(about.sha))
+            log(f"{repo_id}: newest commit is {revision}; pin it to read the same data again")
+    remote = Remote(repo_id, revision, home / revision, files)
+    with written_aside(remote.folder / LISTING) as beside:
+        beside.write_text(json.dumps({**asdict(remote), "folder": None}), encoding="utf-8")
+    log(f"{repo_id}@{revision[:8]}: {len(files)} files, {sum(files.values()) / 1e9:.2f} GB in all")
     return remote
 
 
 def _judged(rows: Iterable[tuple[object, object]], where: str) -> dict[str, int]:
-    """The names and sizes of a listing.
-
-    Raises:
-        BadInput: no file at all, too many, a name that leaves the folder, or a value of the wrong type.
-    """
+    """The names and sizes of a listing, if they are such."""
     files: dict[str, int] = {}
-    for path, size in rows:
-        within("files", len(files) + 1, f"{where}: its listing")
-        if not isinstance(path, str) or type(size) is not int or size < 0:
-            raise BadInput(f"{where}: its listing holds {str(path)[:80]!r} of {str(size)[:40]!r} bytes; allowed: a "
+    for name, size in rows:
+        if not isinstance(name, str) or type(size) is not int or size < 0:
+            raise BadInput(f"{where}: its listing holds {str(name)[:80]!r} of {str(size)[:40]!r} bytes; allowed: a "
                            "name and a number from 0 on")
-        files[safe_name(path, where)] = size
+        files[safe_name(name, where)] = size
+    within("files", len(files), f"{where}: its listing")
     if not files:
         raise BadInput(f"{where}: its listing holds no file")
     return files
@@ -165,16 +133,7 @@ def _kept(path: Path) -> dict[str, int] | None:
         return None
 
 
-def _keep(remote: Remote) -> None:
-    """Write the listing, complete or not at all."""
-    remote.folder.mkdir(parents=True, exist_ok=True)
-    draft = remote.folder / (LISTING + ".part")
-    draft.write_text(json.dumps({name: getattr(remote, name) for name in ("repo_id", "revision", "files")}),
-                     encoding="utf-8")
-    draft.replace(remote.folder / LISTING)
-
-
-def fetch(remote: Remote, names: Sequence[str], *, size_cap_gb: float, log: Log = silent) -> int:
+def fetch(remote: Remote, names: Sequence[str], *, size_cap_gb: float, log: Log = silent) -> None:
     """Fetch the named files that are not there yet; an interrupted fetch goes on where it stopped.
 
     Args:
@@ -182,48 +141,40 @@ def fetch(remote: Remote, names: Sequence[str], *, size_cap_gb: float, log: Log 
         size_cap_gb: refuse, before anything is fetched, when the files together (those already here included)
             are larger than this, in 10^9 bytes.
 
-    Returns:
-        Number of bytes fetched.
-
     Raises:
-        BadInput: a name or size that is not as listed, above the cap, what `plain_files` refuses,
-            or see `plainly`.
+        BadInput: a name or size that is not as listed, above the cap, no network, or no room on the disk.
     """
-    sizes = remote.files
+    sizes, api = remote.files, HfApi()
+    where = f"{remote.repo_id}@{remote.revision[:8]} ({api.endpoint})"
     unknown = [name for name in names if name not in sizes]
     if unknown:
-        raise BadInput(f"{remote.repo_id}@{remote.revision[:8]} has no file {unknown[0]!r} "
-                       f"({len(unknown)} of {len(names)} wanted files are missing from its listing)")
-    total = sum(sizes[name] for name in set(names))
-    if total > size_cap_gb * 1e9:
+        raise BadInput(f"{where} has no file {unknown[0]!r} ({len(unknown)} of {len(names)} wanted files are missing "
+                       "from its listing)")
+    total = sum(sizes[name] for name in set(names)) / 1e9
+    if total > size_cap_gb:
         largest = max(names, key=sizes.__getitem__)
         raise BadInput(
-            f"{remote.repo_id}: {len(set(names))} files need {total / 1e9:.2f} GB, allowed are {size_cap_gb:g} GB "
-            f"(largest: {largest}, {sizes[largest] / 1e9:.2f} GB); raise size_cap_gb or choose fewer episodes")
-    missing = [name for name in sorted(set(names)) if not _is_here(inside(remote.folder, name), sizes[name])]
-    api, done = HfApi(), 0
+            f"{where}: {len(set(names))} files need {total:.2f} GB, allowed are {size_cap_gb:g} GB (largest: "
+            f"{largest}, {sizes[largest] / 1e9:.2f} GB); raise size_cap_gb or choose fewer episodes")
 
     def one(name: str) -> str:
-        with plainly(remote.repo_id, remote.revision, api.endpoint):
-            announced = api.hf_hub_download(remote.repo_id, name, repo_type="dataset", revision=remote.revision,
-                                            local_dir=remote.folder, dry_run=True).file_size
-            if announced != sizes[name]:  # a listing that lies would get round the cap
-                raise BadInput(f"{remote.repo_id}@{remote.revision[:8]} ({api.endpoint}): {name} has {announced:,} "
-                               f"bytes, its listing says {sizes[name]:,}")
+        path = inside(remote.folder, name)
+        with _plainly(remote.repo_id, remote.revision, api.endpoint):
             api.hf_hub_download(remote.repo_id, name, repo_type="dataset", revision=remote.revision,
-                                local_dir=remote.folder)
+                                local_dir=remote.folder, force_download=path.exists())
+        if not is_here(name):
+            raise BadInput(f"{where}: {name} has {path.stat().st_size:,} bytes, its listing says {sizes[name]:,}")
         return name
 
+    def is_here(name: str) -> bool:
+        path = inside(remote.folder, name)
+        return path.is_file() and path.stat().st_size == sizes[name]
+
+    missing = [name for name in sorted(set(names)) if not is_here(name)]
     pool = ThreadPoolExecutor(WORKERS)
     try:
         for number, name in enumerate(pool.map(one, missing), 1):
-            done += sizes[name]
-            log(f"fetched {number}/{len(missing)} ({done / 1e6:.1f} MB): {name}")
+            log(f"fetched {number}/{len(missing)} ({sizes[name] / 1e6:.1f} MB): {name}")
     finally:
         pool.shutdown(cancel_futures=True)
     plain_files(remote.folder)
-    return done
-
-
-def _is_here(path: Path, size_bytes: int) -> bool:
-    return path.is_file() and path.stat().st_size == size_bytes

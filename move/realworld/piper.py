@@ -13,6 +13,9 @@ from scipy.spatial.transform import Rotation
 # Joint limits in rad, (6, 2): lowest and highest, from the maker's SDK.
 LIMITS_RAD = np.array([[-2.62, 2.62], [0.0, 3.14], [-2.97, 0.0], [-1.75, 1.75], [-1.22, 1.22], [-2.09, 2.09]])
 
+SLACK_RAD = 0.1
+ITERATIONS, DOWN_M = 80, 0.15  # of `reach`; what "the flange looks down" weighs against the position
+
 # Modified Denavit-Hartenberg parameters of the maker (firmware S-V1.6-3 on):
 # a (m), alpha (rad), d (m), theta offset (rad).
 DH = np.array([[0.0, 0.0, 0.123, 0.0], [0.0, -np.pi / 2, 0.0, np.deg2rad(-172.22)],
@@ -60,20 +63,18 @@ def forward_kinematics(joints_rad: np.ndarray) -> np.ndarray:
     return found
 
 
-def reach(points_m: np.ndarray, *, steps: int = 80, down: float = 0.15) -> np.ndarray:
+def reach(points_m: np.ndarray) -> np.ndarray:
     """Joint angles that bring the flange to points, pointing down as far as the limits allow.
 
     Damped least squares with a numerical Jacobian, all points at once.
 
     Args:
         points_m: (T, 3), in the frame of the arm's base.
-        steps: number of iterations.
-        down: weight of "the flange looks down" against the position (m per unit of the flange's z axis).
 
     Returns:
         (T, 6) rad, within `LIMITS_RAD`.
     """
-    points_m = np.asarray(points_m, dtype=float)
+    points_m, down = np.asarray(points_m, dtype=float), DOWN_M
     joints = np.tile([0.0, 1.6, -1.6, 0.0, 0.9, 0.0], (len(points_m), 1))
     joints[:, 0] = np.arctan2(points_m[:, 1], points_m[:, 0])
     down_axis = np.array([0.0, 0.0, -1.0])
@@ -83,8 +84,8 @@ def reach(points_m: np.ndarray, *, steps: int = 80, down: float = 0.15) -> np.nd
         return np.hstack([pose[:, :3, 3], down * pose[:, :3, 2]])
 
     wanted = np.hstack([points_m, np.tile(down * down_axis, (len(points_m), 1))])
-    for step in range(steps):
-        if step == steps * 2 // 3:  # the last third cares about the position alone
+    for step in range(ITERATIONS):
+        if step == ITERATIONS * 2 // 3:  # the last third cares about the position alone
             down = down * 0.05
             wanted[:, 3:] = down * down_axis
         here = task(joints)
@@ -105,11 +106,11 @@ def is_piper(robot: str | None) -> bool:
     return ("piper" in words or {"cobot", "magic"} <= words) and not words & {"x", "l", "h"}
 
 
-def outside_limits(joints_rad: np.ndarray, *, slack_rad: float = 0.1) -> float:
-    """Share of timesteps with a joint outside PIPER's limits.
+def outside_limits(joints_rad: np.ndarray) -> float:
+    """Share of timesteps with a joint outside PIPER's limits by more than `SLACK_RAD`.
 
     Args:
         joints_rad: (T, 6) rad.
     """
     low, high = LIMITS_RAD.T
-    return float(((joints_rad < low - slack_rad) | (joints_rad > high + slack_rad)).any(axis=1).mean())
+    return float(((joints_rad < low - SLACK_RAD) | (joints_rad > high + SLACK_RAD)).any(axis=1).mean())

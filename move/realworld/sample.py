@@ -30,6 +30,7 @@ ORANGE_RGB, TRAY_RGB, GRIPPER_RGB = (245, 130, 20), (70, 90, 200), (40, 40, 40)
 TABLE_RGB, FLOOR_RGB = (222, 222, 216), (180, 180, 178)  # inside the semicircular workspace, and outside it
 HEIGHT_M = {"travel": 0.26, "grasp": 0.15}
 OPEN_M, HOLD_M = 0.095, 0.062
+SPEED_M_PER_S = 0.06  # of what wanders
 NAMES = [*(f"joint_{n}" for n in range(1, 7)), "gripper", "x", "y", "z", "roll", "pitch", "yaw"]
 METHODS = ("static", "move")
 LOSSLESS = {"qp": "0", "g": "100", "preset": "medium"}  # what is drawn from the frames is the same on every machine
@@ -100,7 +101,7 @@ def toy_demonstration(rng: np.random.Generator, *, moving: bool) -> Toy:
     return Toy(flange, orange, tray, gripper + rng.normal(0, 3e-4, steps))
 
 
-def _wander(rng: np.random.Generator, steps: int, moving: bool, *, speed_m_per_s: float = 0.06) -> np.ndarray:
+def _wander(rng: np.random.Generator, steps: int, moving: bool) -> np.ndarray:
     """A place on the table, (steps, 2); a moving one turns slowly and stays within the reachable ring."""
     while True:
         radius, angle = np.sqrt(rng.uniform(0.25**2, 0.52**2)), rng.uniform(-1.3, 1.3)
@@ -108,7 +109,7 @@ def _wander(rng: np.random.Generator, steps: int, moving: bool, *, speed_m_per_s
         if not moving:
             return np.repeat(start[None], steps, axis=0)
         heading = rng.uniform(-np.pi, np.pi) + np.cumsum(rng.normal(0, 0.12, steps))
-        path = start + np.cumsum(speed_m_per_s / FPS * np.column_stack([np.cos(heading), np.sin(heading)]), axis=0)
+        path = start + np.cumsum(SPEED_M_PER_S / FPS * np.column_stack([np.cos(heading), np.sin(heading)]), axis=0)
         distance = np.linalg.norm(path, axis=1)
         if distance.min() > 0.22 and distance.max() < 0.54 and path[:, 0].min() > 0.05:
             return path

@@ -12,20 +12,38 @@ the same position for every method.
 from __future__ import annotations
 
 import csv
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Annotated, Literal
 
 import numpy as np
 import pandas as pd
+from pydantic import BaseModel, BeforeValidator, Field, ValidationError
 from scipy import stats
 
 from move.errors import BadInput
 from move.paper import PAPER_METHODS, REAL_POINTS
 from move.statistics.intervals import exact_interval
 from move.untrusted import read_text, reading
+from move.validation import first_problem
 
-COLUMNS = ("trial", "method", "position_x_m", "position_y_m", "score")
 FARTHEST_M = 1.5  # beyond the arm's reach in any case; catches centimetres
+SAME_PLACE_M = 0.02
+
+Place = Annotated[float, Field(ge=-FARTHEST_M, le=FARTHEST_M, allow_inf_nan=False)]
+
+
+class Trial(BaseModel):
+    """One line of a sheet; its fields are the columns, in their order."""
+
+    trial: Annotated[int, Field(ge=1, le=100_000)]
+    method: Annotated[Literal["static", "adc", "move"], BeforeValidator(lambda name: name.strip().lower())]
+    position_x_m: Place
+    position_y_m: Place
+    score: Annotated[int, Field(ge=0, le=REAL_POINTS)]
+
+
+COLUMNS = list(Trial.model_fields)
 
 
 def read_sheet(path: Path | str) -> pd.DataFrame:
@@ -40,56 +58,38 @@ def read_sheet(path: Path | str) -> pd.DataFrame:
     with reading(path, "a CSV scoring sheet"):
         text = read_text(Path(path)).removeprefix("\ufeff")
         lines = list(csv.reader(text.splitlines(), skipinitialspace=True, strict=True))
-    header, trials = tuple(lines[0]) if lines else (), [(n, line) for n, line in enumerate(lines[1:], 2) if line]
+    header, trials = lines[0] if lines else [], [(n, line) for n, line in enumerate(lines[1:], 2) if line]
     if header != COLUMNS:
-        raise BadInput(f"{path}: columns {list(header)[:12]}; expected {list(COLUMNS)}")
+        raise BadInput(f"{path}: columns {header[:12]}; expected {COLUMNS}")
     if not trials:
         raise BadInput(f"{path}: no trials below the header")
-    rows = {line: _row(path, line, values) for line, values in trials}
-    _refuse_repeats(path, rows)
-    return pd.DataFrame(list(rows.values()), columns=COLUMNS)
+    rows, seen = [], dict[int, list[Trial]]()
+    for number, line in trials:
+        where = f"{path}, line {number}"
+        if len(line) != len(COLUMNS):
+            raise BadInput(f"{where}: {len(line)} values; allowed: {len(COLUMNS)}, as the header has")
+        try:
+            row = Trial.model_validate(dict(zip(COLUMNS, line, strict=True)))
+        except ValidationError as error:
+            raise BadInput(f"{where}: {first_problem(error)}") from error
+        _refuse_repeat(row, seen.setdefault(row.trial, []), where)
+        seen[row.trial].append(row)
+        rows.append(row.model_dump())
+    return pd.DataFrame(rows)
 
 
-def _row(path: Path | str, line: int, values: Sequence[str]) -> tuple[int, str, float, float, int]:
-    if len(values) != len(COLUMNS):
-        raise BadInput(f"{path}, line {line}: {len(values)} values; allowed: {len(COLUMNS)}, as the header has")
-    trial, method, x, y, score = (value.strip() for value in values)
-    if (method := method.lower()) not in PAPER_METHODS:
-        raise BadInput(f"{path}, line {line}: method {method!r}; allowed: {', '.join(PAPER_METHODS)}")
-    return (_whole(path, line, "trial", trial, 1, 100_000), method, _metres(path, line, "position_x_m", x),
-            _metres(path, line, "position_y_m", y), _whole(path, line, "score", score, 0, REAL_POINTS))
+def _refuse_repeat(row: Trial, earlier: Sequence[Trial], where: str) -> None:
+    """Refuse a trial scored twice, and one at another position than its `earlier` lines say."""
+    for other in earlier:
+        if other.method == row.method:
+            raise BadInput(f"{where}: trial {row.trial} of {row.method} is scored twice; allowed: once a method")
+        away = np.hypot(row.position_x_m - other.position_x_m, row.position_y_m - other.position_y_m)
+        if away > SAME_PLACE_M:
+            raise BadInput(f"{where}: trial {row.trial} stands {100 * away:.0f} cm from where it stood before; "
+                           f"allowed: one position a trial, to {100 * SAME_PLACE_M:.0f} cm")
 
 
-def _whole(path: Path | str, line: int, column: str, text: str, low: int, high: int) -> int:
-    if not text.isascii() or not text.isdigit() or not low <= int(text) <= high:
-        raise BadInput(f"{path}, line {line}: {column} {text!r}; allowed: a whole number {low}..{high}")
-    return int(text)
-
-
-def _metres(path: Path | str, line: int, column: str, text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = float("nan")
-    if not abs(value) <= FARTHEST_M:
-        raise BadInput(f"{path}, line {line}: {column} {text!r}; allowed: metres within -{FARTHEST_M}..{FARTHEST_M}")
-    return value
-
-
-def _refuse_repeats(path: Path | str, rows: Mapping[int, tuple]) -> None:
-    """Refuse a trial scored twice, and a trial number that stands for two positions."""
-    seen: set[tuple[str, int]] = set()
-    place: dict[int, tuple[float, float]] = {}
-    for line, (trial, method, x, y, _) in rows.items():
-        if (method, trial) in seen:
-            raise BadInput(f"{path}, line {line}: trial {trial} of {method} is scored twice; allowed: once a method")
-        if np.hypot(*np.subtract(place.setdefault(trial, (x, y)), (x, y))) > 0.02:
-            raise BadInput(f"{path}, line {line}: trial {trial} stands at ({x}, {y}) m, earlier at {place[trial]}; "
-                           "allowed: one position a trial, to 2 cm")
-        seen.add((method, trial))
-
-
-def score_table(sheet: pd.DataFrame, *, level: float = 0.95) -> pd.DataFrame:
+def score_table(sheet: pd.DataFrame) -> pd.DataFrame:
     """The paper's numbers from a sheet: one row a method.
 
     Returns:
@@ -100,7 +100,7 @@ def score_table(sheet: pd.DataFrame, *, level: float = 0.95) -> pd.DataFrame:
     for method in [method for method in PAPER_METHODS if method in set(sheet["method"])]:
         score = sheet.loc[sheet["method"] == method, "score"].to_numpy()
         successes = int((score == REAL_POINTS).sum())
-        low, high = exact_interval(successes, len(score), level=level)
+        low, high = exact_interval(successes, len(score))
         rows.append({
             "method": method, "trials": len(score), "successes": successes, "rate": successes / len(score), "low": low,
             "high": high, "score": int(score.sum()), "normalised": score.mean() / REAL_POINTS,

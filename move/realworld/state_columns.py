@@ -10,7 +10,7 @@ import numpy as np
 
 POSE = ("x", "y", "z", "roll", "pitch", "yaw")
 _ROTATION_AXIS = {"x": "roll", "y": "pitch", "z": "yaw"}
-UNITS = {"rad": "rad", "radian": "rad", "radians": "rad", "deg": "deg", "degree": "deg", "degrees": "deg",
+_UNITS = {"rad": "rad", "radian": "rad", "radians": "rad", "deg": "deg", "degree": "deg", "degrees": "deg",
          "mdeg": "mdeg", "m": "m", "mm": "mm", "um": "um", "percent": "percent", "pct": "percent"}
 # words of a name, in lower case
 _SIDES = {"l": "left", "r": "right", "left": "left", "right": "right"}
@@ -97,7 +97,7 @@ def _by_name(names: Sequence[str]) -> tuple[dict[str, Columns], int]:
 
 def _meaning(found: list[str]) -> tuple[str, str] | None:
     """What the words of a column's name say it is: a joint, an axis of the pose, the gripper, or none of them."""
-    body = found[:-1] if found[1:] and found[-1] in UNITS else found
+    body = found[:-1] if found[1:] and found[-1] in _UNITS else found
     if not body or set(found) & (_NO_PLACE | _NO_ARM):
         return None
     if body[-1] in POSE and set(body[:-1]) <= _OF_A_POSE:
@@ -154,16 +154,16 @@ def arm_streams(state: np.ndarray, names: Sequence[str] = (), *, piper_order: bo
     arm = arms[limb]
     streams = {"joints": arm.joints, "end_effector": arm.pose, "gripper": () if arm.gripper is None else arm.gripper}
     found = {name: state[:, columns] for name, columns in streams.items() if columns != ()}
-    return found, unit_hints(names, arm) if len(names) == state.shape[1] else {}, notes
+    return found, _unit_hints(names, arm) if len(names) == state.shape[1] else {}, notes
 
 
-def unit_hints(names: Sequence[str], columns: Columns) -> dict[str, str]:
+def _unit_hints(names: Sequence[str], columns: Columns) -> dict[str, str]:
     """Units that the column names state, e.g. `arm_joint_1_rad` or `gripper_open_scale`."""
     numbers = {"joints": columns.joints, "position": columns.pose[:3], "rotation": columns.pose[3:],
                "gripper": () if columns.gripper is None else (columns.gripper,)}
     hints = {}
     for quantity, mine in numbers.items():
-        endings = {UNITS.get(words(names[n])[-1], "") for n in mine}
+        endings = {_UNITS.get(words(names[n])[-1], "") for n in mine}
         if len(endings) == 1 and (unit := endings.pop()):
             hints[quantity] = unit
     if columns.gripper is not None and words(names[columns.gripper])[-2:] == ["open", "scale"]:

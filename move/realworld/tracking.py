@@ -19,6 +19,9 @@ from move.realworld.workspace import grasp_step
 
 HUE_DEG = (12.0, 45.0)
 LEAST_SATURATION, LEAST_VALUE = 0.55, 0.35
+LEAST_PIXELS = 6  # with fewer orange pixels the orange counts as hidden
+GAP_STEPS = 5  # from one frame that is looked at to the next: a still orange's jitter of a part of a pixel stays small
+CELLS_ACROSS = 16  # square cells along an image's width
 
 
 def orange_mask(frames: np.ndarray) -> np.ndarray:
@@ -31,18 +34,15 @@ def orange_mask(frames: np.ndarray) -> np.ndarray:
         (..., height, width) bool: hue 12 to 45 degrees, saturation at least 0.55, value at least 0.35.
     """
     hue, saturation, value = np.moveaxis(rgb_to_hsv(frames / np.float32(255)), -1, 0)
-    return ((saturation >= LEAST_SATURATION)
-            & (value >= LEAST_VALUE)
-            & (360 * hue >= HUE_DEG[0])
-            & (360 * hue <= HUE_DEG[1]))
+    low, high = HUE_DEG
+    return (saturation >= LEAST_SATURATION) & (value >= LEAST_VALUE) & (360 * hue >= low) & (360 * hue <= high)
 
 
-def track_orange(frames: np.ndarray, *, least_pixels: int = 6) -> np.ndarray:
+def track_orange(frames: np.ndarray) -> np.ndarray:
     """Centre of the orange pixels of each frame.
 
     Args:
         frames: (T, height, width, 3) uint8.
-        least_pixels: with fewer orange pixels the frame counts as hidden.
 
     Returns:
         (T, 2) float64, row and column in pixels; NaN where hidden.
@@ -51,7 +51,7 @@ def track_orange(frames: np.ndarray, *, least_pixels: int = 6) -> np.ndarray:
     count = mask.sum(axis=(1, 2)).astype(float)
     rows, columns = np.arange(mask.shape[1]), np.arange(mask.shape[2])
     total = np.column_stack([(mask.sum(axis=2) * rows).sum(axis=1), (mask.sum(axis=1) * columns).sum(axis=1)])
-    count[count < least_pixels] = np.nan
+    count[count < LEAST_PIXELS] = np.nan
     return total / count[:, None]
 
 
@@ -60,10 +60,8 @@ def speeds(centres: np.ndarray, timestamps_s: np.ndarray) -> np.ndarray:
     return np.linalg.norm(np.diff(centres, axis=0), axis=1) / np.diff(timestamps_s)
 
 
-def object_places(episodes: Sequence[RobotEpisode], camera: str, *, gap_steps: int = 5) -> pd.DataFrame:
-    """Where the orange is in the image, from the start of each episode up to its grasp.
-
-    Frames `gap_steps` apart are looked at, so that a still orange's jitter of a fraction of a pixel stays small.
+def object_places(episodes: Sequence[RobotEpisode], camera: str) -> pd.DataFrame:
+    """Where the orange is in the image, from the start of each episode up to its grasp, every `GAP_STEPS`.
 
     Args:
         camera: name of a camera; episodes without it, or whose frames cannot be read, are left out.
@@ -77,7 +75,7 @@ def object_places(episodes: Sequence[RobotEpisode], camera: str, *, gap_steps: i
         end = (grasp_step(e.gripper) if e.gripper is not None else None) or e.timesteps
         try:
             there = e.cameras[camera].numbers() >= 0
-            numbers = np.array([n for n in range(0, min(end, len(there)), gap_steps) if there[n]], dtype=int)
+            numbers = np.array([n for n in range(0, min(end, len(there)), GAP_STEPS) if there[n]], dtype=int)
             frames = e.cameras[camera].read(numbers)
         except BadInput:
             continue  # `checks` names it
@@ -118,7 +116,7 @@ def object_speeds(places: pd.DataFrame, *, metres_per_pixel: float | None = None
     return pd.DataFrame(rows, columns=["method", "part", "index", "frames", "seen", "mean_speed", "travelled", "unit"])
 
 
-def seen_share(places: pd.DataFrame, *, across: int = 16) -> float:
+def seen_share(places: pd.DataFrame) -> float:
     """Share of the image's square cells in which the orange was seen at least once; needs no calibration.
 
     It says how many configurations a policy's camera has seen, but cells no orange can reach count as unseen: compare
@@ -126,12 +124,11 @@ def seen_share(places: pd.DataFrame, *, across: int = 16) -> float:
 
     Args:
         places: from `object_places`, of one method and one camera.
-        across: number of cells along the image's width.
     """
     seen = places.dropna(subset=["row"])
     if seen.empty:
         return 0.0
-    side = float(seen["width"].iloc[0]) / across
+    side = float(seen["width"].iloc[0]) / CELLS_ACROSS
     down = int(np.ceil(float(seen["height"].iloc[0]) / side))
     visited = set(zip((seen["row"] // side).astype(int), (seen["column"] // side).astype(int), strict=True))
-    return len(visited) / (across * down)
+    return len(visited) / (CELLS_ACROSS * down)

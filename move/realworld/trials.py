@@ -14,10 +14,12 @@ from statsmodels.stats.proportion import confint_proportions_2indep
 
 from move.errors import BadInput
 from move.paper import REAL_POINTS, REAL_TRIALS, TABLE3_REAL
-from move.statistics.intervals import exact_interval
+from move.statistics.intervals import CONFIDENCE, exact_interval
+
+SIGNIFICANCE, WANTED_POWER = 1 - CONFIDENCE, 0.8
 
 
-def real_table(cells: pd.DataFrame = TABLE3_REAL, *, trials: int = REAL_TRIALS, level: float = 0.95) -> pd.DataFrame:
+def real_table() -> pd.DataFrame:
     """Table 3 with what its 30 trials leave open.
 
     Returns:
@@ -26,33 +28,34 @@ def real_table(cells: pd.DataFrame = TABLE3_REAL, *, trials: int = REAL_TRIALS, 
         (number of ways the trials can be shared among 0, 1 and 2 points that give this total).
     """
     rows = []
-    for cell in cells.itertuples():
-        low, high = exact_interval(cell.successes, trials, level=level)
-        least, most = score_bounds(cell.successes, trials)
+    for cell in TABLE3_REAL.itertuples():
+        low, high = exact_interval(cell.successes, REAL_TRIALS)
+        least, most = score_bounds(cell.successes)
+        points = REAL_POINTS * REAL_TRIALS
         rows.append({
-            "timesteps": cell.timesteps, "method": cell.method, "successes": cell.successes, "trials": trials,
-            "rate": cell.successes / trials, "low": low, "high": high, "score": cell.score, "normalised": cell.score /
-            (REAL_POINTS * trials), "score_low": least / (REAL_POINTS * trials), "score_high": most /
-            (REAL_POINTS * trials), "readings": len(score_distributions(cell.successes, cell.score, trials)),
+            "timesteps": cell.timesteps, "method": cell.method, "successes": cell.successes, "trials": REAL_TRIALS,
+            "rate": cell.successes / REAL_TRIALS, "low": low, "high": high, "score": cell.score,
+            "normalised": cell.score / points, "score_low": least / points, "score_high": most / points,
+            "readings": len(score_distributions(cell.successes, cell.score)),
         })
     return pd.DataFrame(rows)
 
 
-def compare(first: tuple[int, int], second: tuple[int, int], *, level: float = 0.95) -> dict[str, float]:
+def compare(first: tuple[int, int], second: tuple[int, int]) -> dict[str, float]:
     """Compare two success rates from independent trials.
 
     Args:
         first, second: (successes, trials).
 
     Returns:
-        difference (second - first) with its Newcombe interval low, high; two-sided p-values `fisher` and `barnard`.
-        Fisher's test is the more cautious of the two; both are exact.
+        difference (second - first) with its Newcombe interval low, high (95 %); two-sided p-values `fisher` and
+        `barnard`. Fisher's test is the more cautious of the two; both are exact.
     """
     (a, n), (b, m) = first, second
     for successes, trials in (first, second):
         exact_interval(successes, trials)
     table = [[b, a], [m - b, n - a]]
-    low, high = confint_proportions_2indep(b, m, a, n, method="newcomb", compare="diff", alpha=1 - level)
+    low, high = confint_proportions_2indep(b, m, a, n, method="newcomb", compare="diff", alpha=SIGNIFICANCE)
     return {
         "difference": b / m - a / n, "low": float(low), "high": float(high),
         "fisher": float(stats.fisher_exact(table).pvalue),
@@ -60,20 +63,20 @@ def compare(first: tuple[int, int], second: tuple[int, int], *, level: float = 0
     }
 
 
-def comparisons(cells: pd.DataFrame = TABLE3_REAL, *, trials: int = REAL_TRIALS) -> pd.DataFrame:
+def comparisons() -> pd.DataFrame:
     """Every pair of cells of Table 3, compared; columns `first`, `second` and those of `compare`.
 
     The p-values are of single comparisons; six are made here.
     """
     rows = []
-    for a, b in combinations(cells.itertuples(), 2):
+    for a, b in combinations(TABLE3_REAL.itertuples(), 2):
         names = {"first": f"{a.method} {a.timesteps // 1000}k", "second": f"{b.method} {b.timesteps // 1000}k"}
-        rows.append(names | compare((a.successes, trials), (b.successes, trials)))
+        rows.append(names | compare((a.successes, REAL_TRIALS), (b.successes, REAL_TRIALS)))
     return pd.DataFrame(rows)
 
 
 @lru_cache(maxsize=16)
-def _rejected(trials: int, level: float) -> np.ndarray:
+def _rejected(trials: int) -> np.ndarray:
     """(trials + 1, trials + 1) bool: outcomes for which Fisher's two-sided test finds a difference."""
     counts = np.arange(trials + 1)
     rejected = np.zeros((trials + 1, trials + 1), dtype=bool)
@@ -81,11 +84,11 @@ def _rejected(trials: int, level: float) -> np.ndarray:
         a = counts[(counts <= total) & (counts >= total - trials)]
         chance = stats.hypergeom.pmf(a, 2 * trials, total, trials)
         p = (chance[None, :] * (chance[None, :] <= chance[:, None] * (1 + 1e-7))).sum(axis=1)
-        rejected[a, total - a] = p <= 1 - level
+        rejected[a, total - a] = p <= SIGNIFICANCE
     return rejected
 
 
-def power(rate_a: float, rate_b: float, *, trials: int = REAL_TRIALS, level: float = 0.95) -> float:
+def power(rate_a: float, rate_b: float, *, trials: int = REAL_TRIALS) -> float:
     """Chance that Fisher's exact test finds a difference between two true rates; exact, not simulated.
 
     Args:
@@ -94,33 +97,32 @@ def power(rate_a: float, rate_b: float, *, trials: int = REAL_TRIALS, level: flo
     """
     counts = np.arange(trials + 1)
     a, b = stats.binom.pmf(counts, trials, rate_a), stats.binom.pmf(counts, trials, rate_b)
-    return float(a @ _rejected(trials, level) @ b)
+    return float(a @ _rejected(trials) @ b)
 
 
-def minimum_detectable_effect(
-    base: float, *, trials: int = REAL_TRIALS, wanted: float = 0.8, level: float = 0.95
-) -> float:
-    """Smallest rise above a base rate that is found with the wanted power; NaN where even success in every trial
+def minimum_detectable_effect(base: float, *, trials: int = REAL_TRIALS) -> float:
+    """Smallest rise above a base rate that is found four times in five; NaN where even success in every trial
     is not enough.
 
     >>> round(minimum_detectable_effect(7 / 30), 2)
     0.38
     """
-    if power(base, 1.0, trials=trials, level=level) < wanted:
+    if power(base, 1.0, trials=trials) < WANTED_POWER:
         return float("nan")
     low, high = base, 1.0
     while high - low > 1e-4:
         middle = (low + high) / 2
-        low, high = (middle, high) if power(base, middle, trials=trials, level=level) < wanted else (low, middle)
+        if power(base, middle, trials=trials) < WANTED_POWER:
+            low = middle
+        else:
+            high = middle
     return high - base
 
 
-def power_table(bases: Sequence[float], *, trials: Sequence[int] = (REAL_TRIALS,),
-                wanted: float = 0.8) -> pd.DataFrame:
+def power_table(bases: Sequence[float], *, trials: Sequence[int]) -> pd.DataFrame:
     """Columns base, trials, detectable_rise, rate_needed: what so many trials of each method can show."""
-    rows = [{"base": base, "trials": n, "detectable_rise": minimum_detectable_effect(base, trials=n, wanted=wanted)}
-            for base in bases
-            for n in trials]
+    rows = [{"base": base, "trials": n, "detectable_rise": minimum_detectable_effect(base, trials=n)}
+            for base in bases for n in trials]
     return pd.DataFrame(rows).assign(rate_needed=lambda table: table["base"] + table["detectable_rise"])
 
 

@@ -1,20 +1,4 @@
-"""In which units a data set is written: told by names, else by the size of the numbers, else by the reader.
-
-| quantity | what is seen | unit |
-|---|---|---|
-| time | median step times the stated rate, else the median step: 0.002 to 1 | s |
-| | a thousand, a million, a thousand million times as much | ms, us, ns |
-| joints, rotation | largest absolute value > 1000 | mdeg (0.001 degree, the arm's own bus) |
-| | 7 to 360 | deg |
-| | at most 3.2 | rad |
-| position | largest > 2000 | um (0.001 mm, the arm's own bus) |
-| | 10 to 2000 | mm |
-| | at most 2 | m |
-| gripper | largest at most 0.11 | m (finger gap) |
-| | at most 1.05 | normalised, 0 closed and 1 open |
-| | 1.2 to 1.8 | pika_rad (encoder angle, 0 closed, 1.6 open) |
-| | 50 to 200 | mm |
-| | > 1000 | um |
+"""In which units a data set is written: told by names, else by the size of the numbers (`RANGES`), else by the reader.
 
 LeRobot's own arms (SO-100, SO-101, Koch) have joints in degrees or from -100 to 100 per cent, which no size tells
 apart, and grippers in per cent; so may any arm that is not stated to be a PIPER. Whatever cannot be told is `unknown`
@@ -46,10 +30,10 @@ from move.realworld.episode import Recording, RobotEpisode
 from move.realworld.piper import is_piper
 from move.untrusted import read_text, reading
 
-ANGLE = {"rad": 1.0, "deg": np.pi / 180, "mdeg": np.pi / 180e3}
+ANGLE = {"rad": 1.0, "deg": np.pi / 180, "mdeg": np.pi / 180e3}  # mdeg, um: as on PIPER's own bus
 LENGTH = {"m": 1.0, "mm": 1e-3, "um": 1e-6}
 TIME = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
-PIKA_OPEN_RAD = 1.6
+PIKA_OPEN_RAD = 1.6  # encoder angle; 0 is closed
 # unit of a gripper -> factor, unit that it is turned into
 GRIPPER = {"m": (1.0, "m"), "mm": (1e-3, "m"), "um": (1e-6, "m"), "half_m": (2.0, "m"),
            "normalised": (1.0, "normalised"), "percent": (0.01, "normalised"),
@@ -57,17 +41,18 @@ GRIPPER = {"m": (1.0, "m"), "mm": (1e-3, "m"), "um": (1e-6, "m"), "half_m": (2.0
 UNITS = {"time": tuple(TIME), "joints": (*ANGLE, "percent"), "position": tuple(LENGTH), "rotation": tuple(ANGLE),
          "gripper": tuple(GRIPPER)}
 CHOICES = {"gripper_closed_is": ("low", "high"), "arm": ("piper", "other"), "method": PAPER_METHODS}
-# quantity -> (lowest, highest allowed largest absolute value, unit); of time the median step
+_ANGLES = ((0.0, 3.2, "rad"), (7.0, 360.0, "deg"), (1000.0, np.inf, "mdeg"))
+# quantity -> (lowest, highest allowed largest absolute value, unit), of time the median step; between them: unknown
 RANGES = {
     "time": ((0.002, 1.0, "s"), (2.0, 1e3, "ms"), (2e3, 1e6, "us"), (2e6, 1e9, "ns")),
-    "joints": ((0.0, 3.2, "rad"), (7.0, 360.0, "deg"), (1000.0, np.inf, "mdeg")),
-    "rotation": ((0.0, 3.2, "rad"), (7.0, 360.0, "deg"), (1000.0, np.inf, "mdeg")),
+    "joints": _ANGLES, "rotation": _ANGLES,
     "position": ((0.0, 2.0, "m"), (10.0, 2000.0, "mm"), (2000.0, np.inf, "um")),
     "gripper": ((0.0, 0.11, "m"), (0.11, 1.05, "normalised"), (1.2, 1.8, "pika_rad"), (50.0, 200.0, "mm"),
                 (1000.0, np.inf, "um")),
 }
 MOST = {"percent": 120.0, "rad": 6.3, "deg": 360.0, "normalised": 1.2}  # of a gripper whose name states the unit
 PER_CENT = 100.0
+NAME_IT = "name it in a units file"
 _IN_PER_CENT = re.compile(r"so[-_]?10[01]|koch|lekiwi|moss|omx", re.IGNORECASE)  # LeRobot's arms of hobby motors
 
 
@@ -85,60 +70,52 @@ class UnitRow:
 
 
 def read_units_file(path: Path | None, parts: Collection[str] = ()) -> dict[str, dict[str, str]]:
-    """Read a units file: part -> quantity -> unit.
-
-    Args:
-        parts: the names that a part may have, besides "*".
+    """Read a units file: part -> quantity -> unit, for each of the parts.
 
     Raises:
         BadInput: not YAML, an unknown part, quantity or unit.
     """
     if path is None:
-        return {}
+        return {part: {} for part in parts}
+    allowed = UNITS | CHOICES
     with reading(path, "a YAML mapping of part to quantity to unit"):
         content = yaml_text.read(read_text(Path(path)), str(path)) or {}
-        allowed = UNITS | CHOICES
         for part, units in content.items():
             if part not in ("*", *parts):
                 raise BadInput(f"{path}: part {part!r}; allowed: *, {', '.join(parts)}")
             for quantity, unit in units.items():
-                if unit not in allowed.get(quantity, ()):
-                    raise BadInput(f"{path}: {part}: {quantity}: {unit!r}; allowed: " +
-                                   (f"{', '.join(allowed[quantity])}" if quantity in allowed else f"{sorted(allowed)}"))
-        return content
+                if quantity not in allowed:
+                    raise BadInput(f"{path}: {part}: {quantity}; allowed: {', '.join(allowed)}")
+                if unit not in allowed[quantity]:
+                    raise BadInput(f"{path}: {part}: {quantity}: {unit!r}; allowed: {', '.join(allowed[quantity])}")
+        return {part: content.get("*", {}) | content.get(part, {}) for part in parts}
 
 
-def detect_units(recordings: Sequence[Recording], overrides: Mapping[str, Mapping[str, str]]) -> list[UnitRow]:
+def detect_units(recordings: Sequence[Recording], given: Mapping[str, str]) -> list[UnitRow]:
     """Tell the units of one part from all its recordings.
 
     Args:
         recordings: of one part, at least one.
-        overrides: from `read_units_file`; the part's own entry wins over "*".
+        given: the part's entries of the units file.
     """
-    given = _given(recordings[0], overrides)
     about = replace(recordings[0], robot=given.get("arm", recordings[0].robot))
-    return [_row(about, quantity, values, given) for quantity, values in _pool(recordings).items()]
+    rows = []
+    for quantity in UNITS:
+        pieces = [values for recording in recordings if (values := _values(recording, quantity)) is not None]
+        values = np.concatenate([piece.ravel() for piece in pieces]) if pieces else np.empty(0)
+        if np.isfinite(values).any():
+            rows.append(_row(about, quantity, values[np.isfinite(values)], given))
+    return rows
 
 
-def _given(recording: Recording, overrides: Mapping[str, Mapping[str, str]]) -> dict[str, str]:
-    return {**overrides.get("*", {}), **overrides.get(recording.part, {})}
-
-
-def _pool(recordings: Sequence[Recording]) -> dict[str, np.ndarray]:
-    """All finite values of each quantity; of time the steps."""
-    pieces: dict[str, list[np.ndarray]] = {quantity: [] for quantity in UNITS}
-    for r in recordings:
-        pose = r.end_effector
-        found = {
-            "time": None if r.timestamps is None else np.diff(r.timestamps),
-            "joints": r.joints, "position": None if pose is None else pose[:, :3],
-            "rotation": None if pose is None else pose[:, 3:], "gripper": r.gripper,
-        }
-        for quantity, values in found.items():
-            if values is not None:
-                pieces[quantity].append(values[np.isfinite(values)].ravel())
-    pooled = {quantity: np.concatenate(values) for quantity, values in pieces.items() if values}
-    return {quantity: values for quantity, values in pooled.items() if values.size}
+def _values(recording: Recording, quantity: str) -> np.ndarray | None:
+    """The numbers that a unit is told from; of time the steps."""
+    if quantity == "time":
+        return None if recording.timestamps is None else np.diff(recording.timestamps)
+    if quantity in ("position", "rotation"):
+        pose = recording.end_effector
+        return pose if pose is None else pose[:, :3] if quantity == "position" else pose[:, 3:]
+    return recording.joints if quantity == "joints" else recording.gripper
 
 
 def by_size(quantity: str, largest: float) -> str:
@@ -150,48 +127,47 @@ def by_size(quantity: str, largest: float) -> str:
     return next((unit for low, high, unit in RANGES[quantity] if low <= largest <= high), "unknown")
 
 
+def _by_rate(steps: float) -> str | None:
+    """Unit of time in which a median step, times the stated rate, is 1 to 10 %; None: in none."""
+    return next((unit for unit, seconds in TIME.items() if abs(steps * seconds - 1) <= 0.1), None)
+
+
 def _row(about: Recording, quantity: str, values: np.ndarray, given: Mapping[str, str]) -> UnitRow:
-    """Decide one quantity: by the units file, else by what names or the arm state, else by its size."""
+    """Decide one quantity: by the units file, else by what names, the arm or the rate state, else by its size."""
     low, high = float(values.min()), float(values.max())
     largest = float(np.median(np.abs(values))) if quantity == "time" else max(abs(low), abs(high))
-    sized, hint, by, note = by_size(quantity, largest), about.hints.get(quantity), "names", ""
+
+    def row(unit: str, decided_by: str, note: str = "") -> UnitRow:
+        return UnitRow(about.part, quantity, unit, decided_by, low, high, note)
+
+    if quantity in given:
+        return row(given[quantity], "units file")
+    if quantity == "time" and about.fps and (stated := _by_rate(largest * about.fps)):
+        return row(stated, "the stated rate")
+    sized, hint, by = by_size(quantity, largest), about.hints.get(quantity), "names"
     if quantity == "gripper" and hint is None and _IN_PER_CENT.search(about.robot or ""):
         hint, by = "percent", "the arm"
-    if quantity == "time" and about.fps and (stated := by_rate(largest * about.fps)):
-        hint, by = stated, "the stated rate"
-    if quantity in given:
-        unit, by = given[quantity], "units file"
-    elif hint and by != "the stated rate" and _contradict(quantity, hint, sized, largest):
-        unit, by, note = ("unknown", "nothing",
-                          f"{by}: {hint}; the numbers look like {sized}: name it in a units file")
-    elif hint:
-        unit = hint
-    elif percent := _may_be_percent(about, quantity, sized, largest):
-        unit, by, note = "unknown", "nothing", percent
-    elif sized == "unknown":
-        unit, by, note = sized, "nothing", "between the known ranges: name it in a units file"
-    else:
-        unit, by, note = sized, "size of the numbers", _caution(quantity, sized, high)
-    return UnitRow(about.part, quantity, unit, by, low, high, note)
-
-
-def by_rate(steps: float) -> str | None:
-    """Unit of time in which a median step is one of the stated rate, to 10 %; None: in none.
-
-    >>> by_rate(1.0), by_rate(1000.4), by_rate(100.0)
-    ('s', 'ms', None)
-    """
-    return next((unit for unit, seconds in TIME.items() if abs(steps * seconds - 1) <= 0.1), None)
+    if hint and _contradict(quantity, hint, sized, largest):
+        return row("unknown", "nothing", f"{by}: {hint}; the numbers look like {sized}: {NAME_IT}")
+    if hint:
+        return row(hint, by)
+    if percent := _may_be_percent(about, quantity, sized, largest):
+        return row("unknown", "nothing", percent)
+    if sized == "unknown":
+        return row(sized, "nothing", f"between the known ranges: {NAME_IT}")
+    caution = {"normalised": "0 taken as closed",
+               "m": "never above 0.05 m: could be half the gap (half_m)" if high <= 0.05 else ""}
+    return row(sized, "size of the numbers", caution.get(sized, "") if quantity == "gripper" else "")
 
 
 def _may_be_percent(about: Recording, quantity: str, sized: str, largest: float) -> str:
     """Why numbers may be per cent as well as what they look like; "" where they may not."""
-    if is_piper(about.robot) or quantity not in ("joints", "gripper") or largest > PER_CENT:
+    if is_piper(about.robot) or largest > PER_CENT:
         return ""
-    if quantity == "gripper":
-        return "mm or per cent: name it in a units file (gripper: mm or percent)" if sized == "mm" else ""
-    if sized == "deg" or _IN_PER_CENT.search(about.robot or ""):
-        return "degrees or -100..100: name it in a units file (joints: deg or percent)"
+    if quantity == "gripper" and sized == "mm":
+        return f"mm or per cent: {NAME_IT} (gripper: mm or percent)"
+    if quantity == "joints" and (sized == "deg" or _IN_PER_CENT.search(about.robot or "")):
+        return f"degrees or -100..100: {NAME_IT} (joints: deg or percent)"
     return ""
 
 
@@ -202,59 +178,42 @@ def _contradict(quantity: str, hint: str, sized: str, largest: float) -> bool:
     return larger or quantity == "gripper" and largest > MOST.get(hint, np.inf)
 
 
-def _caution(quantity: str, unit: str, high: float) -> str:
-    if quantity == "gripper" and unit == "normalised":
-        return "0 taken as closed"
-    if quantity == "gripper" and unit == "m" and high <= 0.05:
-        return "never above 0.05 m: could be half the gap (half_m)"
-    return ""
-
-
-def convert(recording: Recording, rows: Sequence[UnitRow], overrides: Mapping[str, Mapping[str, str]],
-            method: str) -> RobotEpisode:
+def convert(recording: Recording, rows: Sequence[UnitRow], given: Mapping[str, str], method: str) -> RobotEpisode:
     """Turn a recording into SI units; a quantity of unknown unit becomes None, and time NaN.
 
     Args:
         rows: of the recording's part, from `detect_units`.
-        method: how it was collected, unless the overrides say it.
+        method: how it was collected.
     """
     unit = {row.quantity: row.unit for row in rows if row.unit != "unknown"}
-    given = _given(recording, overrides)
-    pose = recording.end_effector
+    joints, pose, gripper, gripper_unit = recording.joints, recording.end_effector, recording.gripper, None
+    joints = joints * ANGLE[unit["joints"]] if joints is not None and unit.get("joints") in ANGLE else None
     if pose is not None:
         known = "position" in unit and "rotation" in unit
-        scales = (LENGTH[unit["position"]], ANGLE[unit["rotation"]]) if known else ()
-        pose = pose * np.repeat(scales, 3) if known else None
-    gripper, gripper_unit = _gripper(recording.gripper, unit.get("gripper"), given.get("gripper_closed_is", "low"))
-    joints = recording.joints * ANGLE[unit["joints"]] if (
-        recording.joints is not None and unit.get("joints") in ANGLE) else None
+        pose = pose * np.repeat((LENGTH[unit["position"]], ANGLE[unit["rotation"]]), 3) if known else None
+    if gripper is not None and "gripper" in unit:
+        factor, gripper_unit = GRIPPER[unit["gripper"]]
+        gripper = gripper * factor
+        if gripper_unit == "normalised" and given.get("gripper_closed_is") == "high":
+            gripper = 1.0 - gripper
     times_s = _times_s(recording, unit.get("time"))
-    origin_s = times_s[np.isfinite(times_s)][:1].sum()
     told = recording.timestamps is not None or recording.fps
     camera_s = times_s if told else times_s * np.nan  # a guessed time finds no picture
     own = vars(recording) | {
-        "joints": joints, "end_effector": pose, "gripper": gripper, "robot": given.get("arm", recording.robot),
+        "joints": joints, "end_effector": pose, "gripper": gripper if gripper_unit else None,
+        "robot": given.get("arm", recording.robot),
         "cameras": {name: frames.at(camera_s) for name, frames in recording.cameras.items()}}
-    return RobotEpisode(**own, method=given.get("method", method), gripper_unit=gripper_unit,
-                        timestamps_s=times_s - origin_s)
+    return RobotEpisode(**own, method=method, gripper_unit=gripper_unit,
+                        timestamps_s=times_s - times_s[np.isfinite(times_s)][:1].sum())
 
 
 def _times_s(recording: Recording, unit: str | None) -> np.ndarray:
     """Times of the timesteps in the data set's own clock, (T,) s; NaN where their unit is unknown."""
-    steps = np.arange(recording.timesteps)
     if recording.timestamps is None:
-        return steps / (recording.fps or recording.assumed_fps)
-    if len(steps) == 1:
-        return recording.timestamps * TIME[unit or "s"]
+        return np.arange(recording.timesteps) / (recording.fps or recording.assumed_fps)
+    if len(recording.timestamps) == 1:
+        unit = unit or "s"  # one time alone has no step
     return recording.timestamps * (TIME[unit] if unit else np.nan)
-
-
-def _gripper(values: np.ndarray | None, unit: str | None, closed_is: str) -> tuple[np.ndarray | None, str | None]:
-    if values is None or unit is None:
-        return None, None
-    factor, turned_into = GRIPPER[unit]
-    opening = values * factor
-    return (1.0 - opening if turned_into == "normalised" and closed_is == "high" else opening), turned_into
 
 
 def units_table(rows: Sequence[UnitRow]) -> pd.DataFrame:

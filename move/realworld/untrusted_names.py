@@ -8,10 +8,9 @@ from pathlib import Path, PurePosixPath
 
 from move.errors import BadInput
 
-_FIELD = re.compile(r"\{(\w+)(?::0?(\d{1,2})d)?\}")
+_TEMPLATE = re.compile(r"(?:[^{}]|\{[a-z_]+(?::0?\d{1,2}d)?\})*")
 _LONGEST = 1_000  # characters of a name
 _MARKUP = "<>&\"'`"
-_FIELDS = {"episode_chunk", "episode_index", "video_key", "chunk_index", "file_index"}
 
 
 def plain_text(text: str, where: object) -> str:
@@ -73,23 +72,18 @@ def inside(root: Path, name: str) -> Path:
 def fill_template(template: str, values: Mapping[str, int | str], where: str) -> str:
     """Fill a LeRobot path template such as `data/chunk-{episode_chunk:03d}/episode_{episode_index:06d}.parquet`.
 
-    Only the five field names of LeRobot are known, with an optional zero-padded width, so a template can
-    neither reach an attribute nor ask for a huge field.
+    A field is a name of `values`, with an optional width of zero-padded digits, so a template can neither reach an
+    attribute nor ask for a huge field.
 
     Raises:
-        BadInput: an unknown field, or a result that leaves the folder.
+        BadInput: another field, or a result that leaves the folder.
     """
-    def fill(match: re.Match) -> str:
-        field, width = match.group(1), match.group(2)
-        if field not in _FIELDS or field not in values:
-            raise BadInput(f"path template {template!r} in {where} uses {field!r}; allowed: {sorted(_FIELDS)}")
-        value = values[field]
-        if width and not isinstance(value, int):
-            raise BadInput(f"path template {template!r} in {where} wants {field!r} as a number; it is a name")
-        return f"{value:0{int(width)}d}" if width else str(value)
-
-    filled = _FIELD.sub(fill, template)
-    if "{" in filled or "}" in filled:
-        raise BadInput(
-            f"path template {template!r} in {where} has a field of an unknown form; allowed: {{name}} or {{name:03d}}")
+    if not _TEMPLATE.fullmatch(template):
+        raise BadInput(f"path template {template[:80]!r} in {where} has a field of an unknown form; allowed: {{name}} "
+                       "or {name:03d}")
+    try:
+        filled = template.format(**values)
+    except (KeyError, ValueError) as error:
+        raise BadInput(f"path template {template[:80]!r} in {where} uses {error}; allowed: numbers of "
+                       f"{sorted(values)}") from error
     return safe_name(filled, where)

@@ -13,47 +13,42 @@ from move.paper import REAL_RADIUS_M
 from move.realworld.episode import RobotEpisode
 from move.realworld.piper import forward_kinematics, is_piper, outside_limits
 
+CELL_M = 0.05  # side of a cell of the table
+HOLD_STEPS = 3  # shortest time that counts as a grasp, timesteps
+LEAST_TRAVEL = 0.1  # a gripper's range smaller than this share of its largest value is noise: no grasp
+STRIP_FRAMES = 6
+PATH = ["method", "part", "index", "step", "x_m", "y_m", "z_m", "grasped"]
 
-def workspace_cells(cell_m: float = 0.05, *, radius_m: float = REAL_RADIUS_M) -> pd.DataFrame:
-    """Square cells whose centre lies in the half disc x >= 0 around the arm's base.
-
-    Returns:
-        Columns column, row (whole numbers), x_m, y_m (centres).
-    """
-    half = int(np.ceil(radius_m / cell_m))
-    column, row = (grid.ravel() for grid in np.meshgrid(np.arange(half), np.arange(-half, half), indexing="ij"))
-    cells = pd.DataFrame({"column": column, "row": row, "x_m": (column + 0.5) * cell_m, "y_m": (row + 0.5) * cell_m})
-    return cells[np.hypot(cells["x_m"], cells["y_m"]) <= radius_m].reset_index(drop=True)
-
-
-def coverage(points_m: np.ndarray, *, cell_m: float = 0.05, radius_m: float = REAL_RADIUS_M) -> pd.DataFrame:
-    """How often each cell of the table was visited.
+def coverage(points_m: np.ndarray) -> pd.DataFrame:
+    """How often each square cell of the table was visited; cells whose centre lies in the half disc x >= 0.
 
     Args:
         points_m: (N, 2) x and y in the frame of the arm's base, x forward; non-finite points, and those
             in a cell whose centre lies outside the half disc, are not counted.
 
     Returns:
-        The cells of `workspace_cells` with a column `visits`.
+        Columns column, row (whole numbers), x_m, y_m (centres), visits.
     """
     points_m = np.asarray(points_m, dtype=float).reshape(-1, 2)
     points_m = points_m[np.isfinite(points_m).all(axis=1)]
-    cells = workspace_cells(cell_m, radius_m=radius_m)
-    index = pd.DataFrame(np.floor(points_m / cell_m).astype(int), columns=["column", "row"])
-    visits = index.value_counts().rename("visits").reset_index()
-    merged = cells.merge(visits, on=["column", "row"], how="left")
-    return merged.assign(visits=merged["visits"].fillna(0).astype(int))
+    half = int(np.ceil(REAL_RADIUS_M / CELL_M))
+    visits = np.zeros((half, 2 * half), dtype=int)
+    place = np.floor(points_m / CELL_M).astype(int) + [0, half]
+    inside = ((place >= 0) & (place < visits.shape)).all(axis=1)
+    np.add.at(visits, tuple(place[inside].T), 1)
+    column, row = np.indices(visits.shape).reshape(2, -1)
+    cells = pd.DataFrame({"column": column, "row": row - half, "x_m": (column + 0.5) * CELL_M,
+                          "y_m": (row - half + 0.5) * CELL_M, "visits": visits.ravel()})
+    return cells[np.hypot(cells["x_m"], cells["y_m"]) <= REAL_RADIUS_M].reset_index(drop=True)
 
 
-def grasp_step(gripper: np.ndarray, *, hold_steps: int = 3, least_travel: float = 0.1) -> int | None:
+def grasp_step(gripper: np.ndarray) -> int | None:
     """The first step of the longest time the gripper stays closed.
 
     Closed means below the middle of the signal's own range, so the result does not depend on its unit.
 
     Args:
         gripper: (T,), larger is wider open.
-        hold_steps: shortest time that counts as a grasp, timesteps.
-        least_travel: a range smaller than this share of the largest value is noise: no grasp.
 
     Returns:
         A timestep, or None where nothing was grasped.
@@ -62,15 +57,15 @@ def grasp_step(gripper: np.ndarray, *, hold_steps: int = 3, least_travel: float 
     3
     """
     gripper = np.asarray(gripper, dtype=float)
-    if len(gripper) < hold_steps + 1 or not np.isfinite(gripper).all():
+    if len(gripper) < HOLD_STEPS + 1 or not np.isfinite(gripper).all():
         return None
     low, high = gripper.min(), gripper.max()
-    if high - low < least_travel * max(abs(high), 1e-12):
+    if high - low < LEAST_TRAVEL * max(abs(high), 1e-12):
         return None
     closed = np.concatenate([[0], (gripper < (low + high) / 2).astype(int), [0]])
     starts, ends = np.flatnonzero(np.diff(closed) == 1), np.flatnonzero(np.diff(closed) == -1)
-    runs = [(int(e - s), int(s)) for s, e in zip(starts, ends, strict=True) if s > 0 and e - s >= hold_steps]
-    return max(runs, key=lambda run: run[0], default=(0, None))[1]
+    lengths = np.where((starts > 0) & (ends - starts >= HOLD_STEPS), ends - starts, 0)
+    return int(starts[np.argmax(lengths)]) if lengths.any() else None
 
 
 def positions(episode: RobotEpisode) -> np.ndarray | None:
@@ -119,16 +114,12 @@ def path_table(episodes: Sequence[RobotEpisode]) -> pd.DataFrame:
     for e in episodes:
         if (place := positions(e)) is None:
             continue
-        start = grasp_step(e.gripper) if e.gripper is not None else None
         steps = np.arange(e.timesteps)
-        tables.append(
-            pd.DataFrame({
-                "method": e.method, "part": e.part, "index": e.index, "step": steps, "x_m": place[:, 0],
-                "y_m": place[:, 1], "z_m": place[:, 2],
-                "grasped": steps >= start if start is not None else np.zeros(e.timesteps, dtype=bool),
-            }))
-    columns = ["method", "part", "index", "step", "x_m", "y_m", "z_m", "grasped"]
-    return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=columns)
+        start = grasp_step(e.gripper) if e.gripper is not None else None
+        tables.append(pd.DataFrame({
+            "method": e.method, "part": e.part, "index": e.index, "step": steps, "x_m": place[:, 0],
+            "y_m": place[:, 1], "z_m": place[:, 2], "grasped": steps >= (e.timesteps if start is None else start)}))
+    return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=PATH)
 
 
 def coverage_by_method(table: pd.DataFrame) -> pd.DataFrame:
@@ -149,18 +140,19 @@ def equal_budget(table: pd.DataFrame) -> pd.DataFrame:
     return table.groupby("method", sort=False).head(budget).reset_index(drop=True)
 
 
-def frame_strips(episodes: Sequence[RobotEpisode], *, count: int = 6) -> dict[str, tuple[np.ndarray, list[str]]]:
+def frame_strips(episodes: Sequence[RobotEpisode]) -> dict[str, tuple[np.ndarray, list[str]]]:
     """Evenly spaced frames of the first episode of each method that has a camera whose frames can be read.
 
     Returns:
-        method -> frames (count, height, width, 3) uint8 and their times as text.
+        method -> frames (STRIP_FRAMES at most, height, width, 3) uint8 and their times as text.
     """
     strips: dict[str, tuple[np.ndarray, list[str]]] = {}
     for e in episodes:
         for frames in e.cameras.values() if e.method not in strips else ():
             try:
                 there = np.flatnonzero(frames.numbers() >= 0)
-                steps = there[np.unique(np.linspace(0, len(there) - 1, count).astype(int))] if len(there) else there
+                spaced = np.linspace(0, len(there) - 1, STRIP_FRAMES if len(there) else 0)
+                steps = there[np.unique(spaced.astype(int))]
                 images = frames.read(steps)
             except BadInput:
                 continue  # `checks` names it
@@ -179,19 +171,18 @@ def action_table(episodes: Sequence[RobotEpisode]) -> pd.DataFrame:
         One row a method and component: method, component, mean, sd, lowest, highest, mean_step (mean absolute
         change from one timestep to the next).
     """
+    groups: dict[tuple[str, int], list[RobotEpisode]] = {}
+    for e in episodes:
+        if e.action is not None:
+            groups.setdefault((e.method, e.action.shape[1]), []).append(e)
     rows = []
-    for method in sorted({e.method for e in episodes if e.action is not None}):
-        actions = [(e.action, e.action_names) for e in episodes if e.method == method and e.action is not None]
-        for width in sorted({action.shape[1] for action, _ in actions}):
-            alike = [(action, names) for action, names in actions if action.shape[1] == width]
-            stated = alike[0][1]
-            names = stated if len(stated) == width else tuple(str(n) for n in range(width))
-            values = np.vstack([action for action, _ in alike])
-            change = np.vstack([np.abs(np.diff(action, axis=0)) for action, _ in alike])
-            for n, name in enumerate(names):
-                mine, steps = (column[np.isfinite(column)] for column in (values[:, n], change[:, n]))
-                told = (mine.mean(), mine.std(), mine.min(), mine.max()) if mine.size else (np.nan,) * 4
-                rows.append({"method": method, "component": name,
-                             **dict(zip(("mean", "sd", "lowest", "highest"), told, strict=True)),
-                             "mean_step": steps.mean() if steps.size else np.nan})
+    for (method, width), alike in sorted(groups.items()):
+        stated = alike[0].action_names
+        names = stated if len(stated) == width else tuple(map(str, range(width)))
+        values = np.vstack([e.action for e in alike if e.action is not None])
+        change = np.vstack([np.abs(np.diff(e.action, axis=0)) for e in alike if e.action is not None])
+        for name, column, steps in zip(names, values.T, change.T, strict=True):
+            column, steps = pd.Series(column[np.isfinite(column)]), pd.Series(steps[np.isfinite(steps)])
+            rows.append({"method": method, "component": name, "mean": column.mean(), "sd": column.std(ddof=0),
+                         "lowest": column.min(), "highest": column.max(), "mean_step": steps.mean()})
     return pd.DataFrame(rows)

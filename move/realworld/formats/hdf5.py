@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path, PurePosixPath
 
@@ -26,6 +26,7 @@ from move.untrusted import reading, within
 SUFFIXES = (".hdf5", ".h5")
 ROBOMIND_HZ = 10.0  # no timestamps in the file; the rate its own tools assume
 PIKA_ARMS, PIKA_GRIPPERS = ("puppet", "master"), ("pikaGripper", "pika", "pikaSensor")
+PIKA_POSE = "end effector is the Pika's own localisation: its frame is the tracker's, not the arm's base"
 
 
 def metadata(files: Sequence[str]) -> list[str]:
@@ -35,20 +36,18 @@ def metadata(files: Sequence[str]) -> list[str]:
 
 def episodes(part: Part) -> list[EpisodeRef]:
     """One episode a file, in natural order; images that lie in the file's own folder belong to it."""
-    found = sorted((file for file in part.files if file.endswith(SUFFIXES)), key=natural)
-    return [EpisodeRef(index, (file, *_beside(part, file))) for index, file in enumerate(found)]
+    refs = []
+    for index, file in enumerate(sorted((file for file in part.files if file.endswith(SUFFIXES)), key=natural)):
+        folder = PurePosixPath(file).parent
+        own = re.fullmatch(r"episode_?\d+", folder.name)
+        images = [other for other in part.files if own and other.startswith(f"{folder}/camera/color/")]
+        refs.append(EpisodeRef(index, (file, *images)))
+    return refs
 
 
 def natural(name: str) -> list:
     """Sort key that puts `episode2` before `episode10`."""
     return [int(piece) if piece.isdigit() else piece for piece in re.split(r"(\d+)", name)]
-
-
-def _beside(part: Part, file: str) -> list[str]:
-    folder = PurePosixPath(file).parent
-    if not re.fullmatch(r"episode_?\d+", folder.name):
-        return []
-    return [other for other in part.files if other.startswith(f"{folder}/camera/color/")]
 
 
 def read(part: Part, ref: EpisodeRef) -> Recording:
@@ -60,47 +59,43 @@ def read(part: Part, ref: EpisodeRef) -> Recording:
     path = inside(part.root, ref.files[0])
     with reading(path, "an HDF5 file of one episode"), h5py.File(path, "r") as file:
         gaps, flag = _judge(file), file.attrs.get("sim")
-        simulated = bool(flag) if isinstance(flag, bool | np.bool_ | int | np.integer) else None
-        for groups, dialect in ((("puppet",), _robomind), (("observations/qpos",), _act),
-                                (("arm", "localization", "gripper"), _pika)):
-            if any(group in file for group in groups):
-                return replace(dialect(part, ref, file, path), gaps=gaps, simulated=simulated)
-        raise BadInput(f"cannot read {path}: found groups {sorted(file)[:8]}; expected arm/, gripper/ or localization/ "
-                       "(Pika), observations/qpos (ACT) or puppet/ (RoboMIND)")
+        if "puppet" in file:
+            recording = _robomind(part, ref, file, path)
+        elif "observations/qpos" in file:
+            recording = _act(part, ref, file, path)
+        elif {"arm", "localization", "gripper"} & set(file):
+            recording = _pika(part, ref, file, path)
+        else:
+            raise BadInput(f"cannot read {path}: found groups {sorted(file)[:8]}; expected arm/, gripper/ or "
+                           "localization/ (Pika), observations/qpos (ACT) or puppet/ (RoboMIND)")
+    simulated = bool(flag) if isinstance(flag, bool | np.bool_ | int | np.integer) else None
+    return replace(recording, gaps=gaps, simulated=simulated)
 
 
-def _judge(root: h5py.File) -> tuple[str, ...]:
-    """Look at every group and data set once, by its address in the file, before anything is read.
+def _judge(file: h5py.File) -> tuple[str, ...]:
+    """Look at every link of a file once, before anything is read.
 
     Returns:
         Data sets of which a part was never written, and would be read as zeros.
 
-    Refused are links to other files, data kept in other files (external storage and virtual data sets: both could name
-    any file of this machine), and sizes beyond the limits. Soft links stay inside the file: what they lead to is
-    looked at where it is.
+    Refused are links to other files, and data kept in other files (external storage and virtual data sets): all three
+    could name any file of this machine. Soft links stay inside the file: what they lead to is looked at where it is.
     """
-    where, seen, waiting, gaps = root.filename, set(), [(root["/"], 0)], []
-    while waiting:
-        group, depth = waiting.pop()
-        within("depth", depth, f"{where}: groups inside groups")
-        for name in group:
-            link = group.get(name, getlink=True)
-            if isinstance(link, h5py.ExternalLink):
-                raise BadInput(f"{where}: {group.name}/{name} links to another file; only plain data are read")
-            if isinstance(link, h5py.SoftLink):
-                continue
-            member = group[name]
-            address = h5py.h5o.get_info(member.id).addr
-            if address not in seen:
-                seen.add(address)
-                within("files", len(seen), f"{where}: groups and data sets")
-                if isinstance(member, h5py.Group):
-                    waiting.append((member, depth + 1))
-                elif isinstance(member, h5py.Dataset):
-                    _judge_data(member, f"{where}:{member.name}")
-                    if gap := _gap(member):
-                        gaps.append(gap)
-    return tuple(gaps)
+    names: list[str] = []
+
+    def look(name: str, link: object) -> str | None:
+        if isinstance(link, h5py.ExternalLink):
+            return f"{name} links to another file"
+        if not isinstance(link, h5py.HardLink) or not isinstance(data := file[name], h5py.Dataset):
+            return None
+        names.append(name)
+        return f"{name} keeps its numbers in another file" if data.external or data.is_virtual else None
+
+    if problem := file.visititems_links(look):
+        raise BadInput(f"{file.filename}: {problem}; only plain data are read")
+    for name in names:
+        within("rows", file[name].shape[0] if file[name].shape else 0, f"{file.filename}: {name}")
+    return tuple(gap for name in names if (gap := _gap(file[name])))
 
 
 def _gap(data: h5py.Dataset) -> str:
@@ -113,113 +108,84 @@ def _gap(data: h5py.Dataset) -> str:
     return f"{data.name} has {stored} of its {chunks} chunks" if stored < chunks else ""
 
 
-def _judge_data(data: h5py.Dataset, where: str) -> None:
-    """Refuse data of other files, and more in one row or chunk than is read at a time."""
-    if data.external or data.is_virtual:
-        raise BadInput(f"{where} keeps its numbers in another file; only plain data are read")
-    if data.dtype.kind == "c":
-        raise BadInput(f"{where} holds complex numbers, whose imaginary part would be lost; allowed: real numbers")
-    within("chunk_bytes", math.prod(data.chunks or ()) * data.dtype.itemsize, f"{where}: its chunks")
-    if data.ndim > 2:
-        within("pixels", math.prod(data.shape[1:]) // 3, f"{where}: one image")
-    if data.shape:
-        within("rows", data.shape[0], where)
-        within("image_bytes", math.prod(data.shape[1:]) * data.dtype.itemsize, f"{where}: one row")
-    if data.dtype.kind == "O":  # values of any length, each at most as long as the file
-        within("memory_bytes", Path(data.file.filename).stat().st_size, f"{data.file.filename}, with {data.name}")
-
-
-def _values(data: h5py.Dataset) -> np.ndarray:
+def _values(file: h5py.File, key: str) -> np.ndarray:
     """All numbers of a data set.
 
     Raises:
-        BadInput: no numbers, or too many.
+        BadInput: a group, or no real numbers.
     """
-    where = f"{data.file.filename}:{data.name}"
+    data = file[key]
     if not isinstance(data, h5py.Dataset) or data.dtype.kind not in "biuf":
-        raise BadInput(f"{where}: found {getattr(data, 'dtype', 'a group')}; expected numbers")
-    within("memory_bytes", data.size * max(data.dtype.itemsize, 8), where)
+        kind = data.dtype if isinstance(data, h5py.Dataset) else "a group"
+        raise BadInput(f"{file.filename}:{key}: found {kind}; expected real numbers")
     return data[()]
 
 
-def _first(group: h5py.Group, folder: str, order: Sequence[str]) -> np.ndarray | None:
+def _recorded(file: h5py.File, key: str) -> np.ndarray | None:
+    return _values(file, key) if key in file else None
+
+
+def _first(file: h5py.File, folder: str, order: Sequence[str]) -> np.ndarray | None:
     """The data of the preferred member of a folder, else of the first; None where there is none or it is empty."""
-    members = group.get(folder, {})
+    members = file.get(folder, {})
     names = [name for name in order if name in members] or sorted(members)
-    return _values(members[names[0]]) if names and members[names[0]].size else None
+    return _values(file, f"{folder}/{names[0]}") if names and members[names[0]].size else None
 
 
-def _pika(part: Part, ref: EpisodeRef, file: h5py.File, path) -> Recording:
-    position = _first(file, "arm/jointStatePosition", PIKA_ARMS)
-    pose = _first(file, "arm/endPose", PIKA_ARMS)
-    notes = []
+def _pika(part: Part, ref: EpisodeRef, file: h5py.File, path: Path) -> Recording:
+    position, pose = _first(file, "arm/jointStatePosition", PIKA_ARMS), _first(file, "arm/endPose", PIKA_ARMS)
+    notes, hints = [], {"gripper": "m"}
     if pose is None and (pose := _first(file, "localization/pose", ("pika",))) is not None:
-        notes.append("end effector is the Pika's own localisation: its frame is the tracker's, not the arm's base")
-    hint: str | None = "m"
+        notes.append(PIKA_POSE)
     gripper = _first(file, "gripper/encoderDistance", PIKA_GRIPPERS)
     if gripper is None:
-        gripper, hint = _first(file, "gripper/encoderAngle", PIKA_GRIPPERS), "pika_rad"
-    if gripper is None and position is not None and position.shape[1] > 6:
-        gripper, hint = position[:, 6], None
+        gripper, hints = _first(file, "gripper/encoderAngle", PIKA_GRIPPERS), {"gripper": "pika_rad"}
+    if gripper is None:
+        hints = {}
+        gripper = position[:, 6] if position is not None and position.shape[1] > 6 else None
     if any(data.dtype == np.uint8 and data.ndim == 4 for data in file.get("camera/depth", {}).values()):
         notes.append("depth is 8-bit, its metres are lost: not read")
     streams = {
         "joints": None if position is None else position[:, :6], "end_effector": None if pose is None else pose[:, :6],
-        "gripper": gripper, "action": _first(file, "arm/jointStatePosition",
-                                             ("master",)) if "arm/jointStatePosition/master" in file else None,
-        "timestamps": _values(file["timestamp"]) if "timestamp" in file else None,
+        "gripper": gripper, "action": _recorded(file, "arm/jointStatePosition/master"),
+        "timestamps": _recorded(file, "timestamp"),
     }
     cameras = {name: _pika_camera(path, data) for name, data in file.get("camera/color", {}).items()}
-    return make_recording(part, ref, streams, source=path, cameras=cameras, notes=notes,
-                          hints={"gripper": hint} if gripper is not None and hint else {})
+    return make_recording(part, ref, streams, source=path, cameras=cameras, notes=notes, hints=hints)
 
 
-def _pika_camera(path, data: h5py.Dataset) -> Frames:
+def _pika_camera(path: Path, data: h5py.Dataset) -> Frames:
     """Frames of one camera: pixels (blue first), or paths relative to the episode's folder."""
     if data.ndim > 1:
         return from_hdf5(path, data.name, bgr=True)
-    if data.dtype.kind not in "OS" or data.ndim != 1:
+    if data.dtype.kind not in "OS":
         raise BadInput(f"{path}:{data.name}: found {data.dtype} {data.shape}; expected names of images")
-    within("files", len(data), f"{path}:{data.name}")
-    within("columns", data.dtype.itemsize, f"{path}:{data.name}: letters of a name")
     return from_files([inside(path.parent, name.decode() if isinstance(name, bytes) else str(name)) for name in data])
 
 
-def _act(part: Part, ref: EpisodeRef, file: h5py.File, path) -> Recording:
-    state = _values(file["observations/qpos"])
+def _act(part: Part, ref: EpisodeRef, file: h5py.File, path: Path) -> Recording:
+    state = _values(file, "observations/qpos")
     arm, _, notes = arm_streams(state)
-    streams = {**arm, "action": _values(file["action"]) if "action" in file else None, "state": state}
-    for key in ("timestamp", "timestamps", "observations/timestamp"):
-        streams |= {"timestamps": _values(file[key])} if key in file else {}
+    times = next((key for key in ("observations/timestamp", "timestamps", "timestamp") if key in file), "timestamp")
+    streams = {**arm, "action": _recorded(file, "action"), "state": state, "timestamps": _recorded(file, times)}
     cameras = {name: from_hdf5(path, data.name) for name, data in file.get("observations/images", {}).items()}
     notes += ["order of the colour channels is not recorded: red first assumed"] if cameras else []
     return make_recording(part, ref, streams, source=path, cameras=cameras, notes=notes)
 
 
-def _robomind(part: Part, ref: EpisodeRef, file: h5py.File, path) -> Recording:
-    side, note = _busy_side(file["puppet"])
-    position = _member(file, f"puppet/joint_position{side}")
-    pose = _member(file, f"puppet/end_effector{side}")
-    joints, gripper = position, None
-    if position is not None and position.shape[1] >= 7:
-        joints, gripper = position[:, :-1], position[:, -1]
-    streams = {
-        "joints": joints, "gripper": gripper,
-        "end_effector": None if pose is None else pose[:, :6], "action": _member(file, f"master/joint_position{side}"),
-    }
+def _robomind(part: Part, ref: EpisodeRef, file: h5py.File, path: Path) -> Recording:
+    """The arm that moves most; the last joint of seven is the gripper."""
+    arms = {name.removeprefix("joint_position"): _values(file, f"puppet/{name}") for name in file["puppet"]
+            if name.startswith("joint_position")}
+    travel = {side: float(np.nansum(np.abs(np.diff(position, axis=0)))) for side, position in arms.items()}
+    side = max(travel, key=travel.__getitem__, default="")
+    notes = [f"{len(arms)} arms recorded: the {side.strip('_')} one moves most and is read"] if side else []
+    joints, gripper = arms.get(side), None
+    if joints is not None and joints.shape[1] >= 7:
+        joints, gripper = joints[:, :-1], joints[:, -1]
+        notes.append("last joint taken as the gripper")
+    pose = _recorded(file, f"puppet/end_effector{side}")
+    streams = {"joints": joints, "gripper": gripper, "end_effector": None if pose is None else pose[:, :6],
+               "action": _recorded(file, f"master/joint_position{side}")}
     cameras = {name: from_hdf5(path, data.name) for name, data in file.get("observations/rgb_images", {}).items()}
-    notes = ([note] if note else []) + ([] if gripper is None else ["last joint taken as the gripper"])
     return make_recording(part, ref, streams, assumed_fps=ROBOMIND_HZ, source=path, cameras=cameras, notes=notes)
-
-
-def _member(file: h5py.File, key: str) -> np.ndarray | None:
-    return _values(file[key]) if key in file else None
-
-
-def _busy_side(puppet: Mapping) -> tuple[str, str | None]:
-    """The suffix of the arm that moves most: "", "_left" or "_right"."""
-    sides = [name.removeprefix("joint_position") for name in puppet if name.startswith("joint_position")]
-    if not sides:
-        return "", None
-    side = max(sides, key=lambda s: float(np.nansum(np.abs(np.diff(_values(puppet[f"joint_position{s}"]), axis=0)))))
-    return side, f"{len(sides)} arms recorded: the {side.strip('_')} one moves most and is read" if side else None

@@ -18,12 +18,12 @@ from typing import Annotated, Any
 
 import numpy as np
 import pyarrow as pa
+import pyarrow.parquet as pq
 from pydantic import BaseModel, Field, ValidationError
 
 from move.errors import BadInput
 from move.realworld.episode import EpisodeRef, Part, Recording, make_recording
 from move.realworld.frames import Frames, from_bytes, from_files, from_video
-from move.realworld.parquet import numeric_names, read_columns
 from move.realworld.piper import is_piper
 from move.realworld.state_columns import arm_streams, flat_names
 from move.realworld.untrusted_names import fill_template, inside
@@ -39,9 +39,10 @@ STATE = ("observation.state", "observation.states", "states", "state")
 ACTION = ("action", "actions")
 POSE_WORDS = ("eef", "ee_pose", "end_pose", "endpose")
 NUMBERING = ("episode_index", "frame_index", "index")
+pa.set_memory_pool(pa.system_memory_pool())  # Arrow's own keeps address space that `move.untrusted` would not count
 
 
-class Info(BaseModel):
+class _Info(BaseModel):
     """What is needed of `meta/info.json`; `null` stands for what is not told."""
 
     codebase_version: str
@@ -67,10 +68,10 @@ def episodes(part: Part) -> list[EpisodeRef]:
 
     `meta/episodes.jsonl` or `meta/episodes/` holds them, or, where v2.1 lacks that file, the parquet files' names do.
     """
-    info = read_info(part)
+    info = _read_info(part)
     with reading(part.root, "the episode table of a LeRobot data set"):
-        rows = sorted(_rows_v2(part) if part.layout == V2 else _rows_v3(part), key=lambda row: row["episode_index"])
-        refs = [_ref(part, info, row) for row in rows]
+        rows = _rows_v2(part) if part.layout == V2 else _rows_v3(part)
+        refs = [_ref(part, info, row) for row in sorted(rows, key=lambda row: _whole(row, "episode_index"))]
     totals: Counter[str] = Counter()
     videos = [(ref, video) for ref in refs for video in ref.place["videos"].values()]
     for ref, video in videos:  # in the order in which their frames lie in the files
@@ -89,11 +90,7 @@ def _rows_v2(part: Part) -> list[dict[str, Any]]:
     with reading(path, "one JSON object a line with episode_index and length"):
         lines = [line for line in read_text(path).splitlines() if line.strip()]
         within("episodes", len(lines), path)
-        rows = [parse_json(line, path) for line in lines]
-        for row in rows:
-            within("rows", _whole(row, "length"), path)
-            _whole(row, "episode_index")
-        return rows
+        return [parse_json(line, path) for line in lines]
 
 
 def _rows_v3(part: Part) -> list[dict[str, Any]]:
@@ -101,13 +98,11 @@ def _rows_v3(part: Part) -> list[dict[str, Any]]:
     for name in sorted(file for file in part.files if file.startswith("meta/episodes/") and file.endswith(".parquet")):
         path = inside(part.root, name)
         with reading(path, "the episode table of a LeRobot v3.0 data set"):
-            wanted = [name for name in numeric_names(path) if not name.startswith("stats/")]
-            rows += read_columns(path, wanted).to_pylist()
-            within("episodes", len(rows), path)
+            rows += _read_table(path, ()).to_pylist()
     return rows
 
 
-def _ref(part: Part, info: Info, row: dict[str, Any]) -> EpisodeRef:
+def _ref(part: Part, info: _Info, row: dict[str, Any]) -> EpisodeRef:
     """Turn one row of the episode table into a reference: the table's path, and of each camera path and start (s)."""
     index = _whole(row, "episode_index")
 
@@ -124,29 +119,24 @@ def _ref(part: Part, info: Info, row: dict[str, Any]) -> EpisodeRef:
         for key in info.cameras("video")}
     files = (data, *(video["path"] for video in videos.values()))
     length = _whole(row, "length") if part.layout == V3 or "length" in row else None
+    within("rows", length or 0, f"{part.root}: episode {index}")
     return EpisodeRef(index, files, length, {"data": data, "videos": videos})
 
 
 def read(part: Part, ref: EpisodeRef) -> Recording:
     """Read one episode; videos are opened only when frames are asked for."""
-    info, path = read_info(part), inside(part.root, ref.place["data"])
+    info, path = _read_info(part), inside(part.root, ref.place["data"])
     with reading(path, "a parquet table of LeRobot episodes"):
-        table = _read_table(path, info, episode=None if part.layout == V2 else ref.index)
-        cameras = {key: from_video(**(video | {"path": inside(part.root, video["path"])}))
-                   for key, video in ref.place["videos"].items()}
-        return _recording(part, ref, info, table, path, cameras)
+        table = _read_table(path, info.cameras("image"), episode=ref.index if part.layout == V3 else None)
+        return _recording(part, ref, info, table, path)
 
 
-def read_info(part: Part) -> Info:
-    """Read `meta/info.json` and check its version.
-
-    Raises:
-        BadInput: missing, not JSON, another version than its files are of, or a value of the wrong type.
-    """
+def _read_info(part: Part) -> _Info:
+    """Read `meta/info.json` and check its version."""
     path, version = inside(part.root, "meta/info.json"), part.layout.removeprefix("lerobot_")
     content = read_json(path, "the info.json of a LeRobot data set")
     try:
-        info = Info.model_validate(content)
+        info = _Info.model_validate(content)
     except ValidationError as error:
         raise BadInput(f"{path}: {first_problem(error)}; found keys {sorted(content)[:12]}") from error
     if not info.codebase_version.startswith(version):
@@ -166,35 +156,38 @@ def _names_of(feature: Mapping[str, Any]) -> list[str]:
     return flat_names(feature.get("names", feature.get("name")))
 
 
-def to_matrix(table: pa.Table, key: str) -> np.ndarray:
-    """One column of a table as (T, k) float64, be it scalars, lists, fixed-size lists or an extension type.
-
-    Raises:
-        BadInput: rows of unequal length, or nulls.
-    """
-    column = table[key].combine_chunks()
-    if isinstance(column, pa.ChunkedArray):
-        column = pa.concat_arrays(column.chunks)
-    rows = len(column)
-    while isinstance(column, pa.ExtensionArray) or pa.types.is_nested(column.type):
-        column = column.storage if isinstance(column, pa.ExtensionArray) else column.flatten()
-    if column.null_count or rows == 0 or len(column) % rows:
-        raise BadInput(f"column {key!r}: {rows} rows, {len(column)} numbers, {column.null_count} nulls; "
-                       "expected the same number of values in every row")
-    return column.to_numpy(zero_copy_only=False).astype(np.float64).reshape(rows, -1)
+def _read_table(path: Path, images: Sequence[str], *, episode: int | None = None) -> pa.Table:
+    """The columns of numbers and of images, in the order of the file, of one episode or of all."""
+    about = pq.read_metadata(path)
+    within("rows", about.num_rows, path)
+    kinds = {field.name: field.type for field in about.schema.to_arrow_schema()}
+    for name in (*STATE, *ACTION, "timestamp", *NUMBERING):
+        if name in kinds and not _is_numeric(kinds[name]):
+            raise BadInput(f"{path}: column {name!r}: found {kinds[name]}; expected numbers")
+    if episode is not None and "episode_index" not in kinds:
+        raise BadInput(f"{path}: expected a column 'episode_index'; found {list(kinds)[:12]}")
+    wanted = [name for name, kind in kinds.items()
+              if name in images or _is_numeric(kind) and not name.startswith("stats/")]
+    rows = None if episode is None else [("episode_index", "==", episode)]
+    return pq.read_table(path, columns=wanted, filters=rows, partitioning=None, use_threads=False)
 
 
-def _read_table(path: Path, info: Info, *, episode: int | None = None) -> pa.Table:
-    """The numbers and the images of a table, of one episode or of all; whatever else it holds is not needed.
+def _is_numeric(kind: pa.DataType) -> bool:
+    """Whether a column holds numbers, alone or in lists; true and false are none."""
+    if isinstance(kind, pa.BaseExtensionType):
+        return _is_numeric(kind.storage_type)
+    if pa.types.is_list(kind) or pa.types.is_large_list(kind) or pa.types.is_fixed_size_list(kind):
+        return _is_numeric(kind.value_type)
+    return pa.types.is_integer(kind) or pa.types.is_floating(kind)
 
-    Raises:
-        BadInput: no such table, or what has to be numbers is something else.
-    """
-    names = numeric_names(path, (*STATE, *ACTION, "timestamp", *NUMBERING))
-    return read_columns(path, [*names, *info.cameras("image")], episode=episode)
+
+def _matrix(table: pa.Table, key: str) -> np.ndarray:
+    """One column of a table as (T, k) float64, be it numbers or lists of them; what is null becomes NaN."""
+    values = np.array(table[key].to_pylist(), dtype=np.float64)
+    return values.reshape(len(values), -1)
 
 
-def _image_frames(part: Part, table: pa.Table, key: str, source: str) -> Frames:
+def _image_frames(part: Part, table: pa.Table, key: str, source: Path) -> Frames:
     """Frames stored in a parquet column, as bytes or as paths inside the data set; none where there is no column."""
     cells = table[key].to_pylist() if key in table.column_names else []
     if all(isinstance(cell, dict) and cell.get("bytes") for cell in cells):
@@ -202,45 +195,39 @@ def _image_frames(part: Part, table: pa.Table, key: str, source: str) -> Frames:
     return from_files([inside(part.root, cell["path"] if isinstance(cell, dict) else cell) for cell in cells])
 
 
-def _recording(part: Part, ref: EpisodeRef, info: Info, table: pa.Table, source,
-              cameras: Mapping[str, Frames]) -> Recording:
-    """Turn the rows of one episode into a recording, in the order of `frame_index`.
-
-    Args:
-        table: the rows of this episode alone.
-        cameras: frames that are not in the table (videos).
-    """
+def _recording(part: Part, ref: EpisodeRef, info: _Info, table: pa.Table, source: Path) -> Recording:
+    """Turn the rows of one episode into a recording, in the order of `frame_index`."""
     notes = []
-    if "frame_index" in table.column_names and (np.diff(to_matrix(table, "frame_index")[:, 0]) < 0).any():
+    there = table.column_names
+    if "frame_index" in there and (np.diff(_matrix(table, "frame_index")[:, 0]) < 0).any():
         table = table.sort_by("frame_index")
         notes.append("rows were not in the order of frame_index: sorted")
     state, names = _state(table, info.features)
     piper = not info.robot_type or is_piper(info.robot_type)
     arm, hints, more = ({}, {}, []) if state is None else arm_streams(state, names, piper_order=piper)
-    notes += more
-    action = next((key for key in ACTION if key in table.column_names), None)
-    images = {key: _image_frames(part, table, key, str(source)) for key in info.cameras("image")}
+    action = next((key for key in ACTION if key in there), None)
     streams = {
-        **arm, "action": to_matrix(table, action) if action else None, "state": state,
-        "timestamps": to_matrix(table, "timestamp")[:, 0] if "timestamp" in table.column_names else None,
+        **arm, "action": _matrix(table, action) if action else None, "state": state,
+        "timestamps": _matrix(table, "timestamp")[:, 0] if "timestamp" in there else None,
     }
+    cameras = {key: from_video(**(video | {"path": inside(part.root, video["path"])}))
+               for key, video in ref.place["videos"].items()}
+    cameras |= {key: _image_frames(part, table, key, source) for key in info.cameras("image")}
     return make_recording(
-        part, ref, streams, fps=info.fps, source=source, hints=hints, notes=notes, robot=info.robot_type,
-        numbering={key: to_matrix(table, key)[:, 0] for key in NUMBERING if key in table.column_names},
+        part, ref, streams, fps=info.fps, source=source, hints=hints, notes=notes + more, robot=info.robot_type,
+        numbering={key: _matrix(table, key)[:, 0] for key in NUMBERING if key in there},
         action_names=tuple(_names_of(info.features.get(action, {}))) if action else (),
-        cameras={key.removeprefix("observation.images."): value for key, value in {**cameras, **images}.items()})
+        cameras={key.removeprefix("observation.images."): frames for key, frames in cameras.items()})
 
 
 def _state(table: pa.Table, features: Mapping[str, Any]) -> tuple[np.ndarray | None, list[str]]:
-    """The state vector and, where they are kept apart, pose vectors beside it."""
-    keys = [next((key for key in STATE if key in table.column_names), None)]
+    """The state vector and, where they are kept apart, pose vectors next to it; their names, where there are any."""
+    keys = [key for key in STATE if key in table.column_names][:1]
     keys += [key for key in table.column_names if any(word in key for word in POSE_WORDS) and "action" not in key]
-    blocks, names = [], []
-    for key in filter(None, keys):
-        block = to_matrix(table, key)
+    blocks, names, named = [_matrix(table, key) for key in keys], [], False
+    for key, block in zip(keys, blocks, strict=True):
         own = _names_of(features.get(key, {}))
-        blocks.append(block)
-        names += own if len(own) == block.shape[1] else [f"unnamed_{n}" for n in range(block.shape[1])]
-    if not blocks:
-        return None, []
-    return np.hstack(blocks), [] if all(name.startswith("unnamed_") for name in names) else names
+        told = len(own) == block.shape[1]
+        names += own if told else [f"unnamed_{n}" for n in range(block.shape[1])]
+        named = named or told
+    return np.hstack(blocks) if blocks else None, names if named else []

@@ -13,15 +13,14 @@ the streams are not aligned: each is then taken at the time nearest to the slowe
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
-from functools import partial
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
 from move.errors import BadInput
 from move.realworld.episode import EpisodeRef, Part, Recording, make_recording
-from move.realworld.formats.hdf5 import PIKA_ARMS, PIKA_GRIPPERS, natural
+from move.realworld.formats.hdf5 import PIKA_ARMS, PIKA_GRIPPERS, PIKA_POSE, natural
 from move.realworld.frames import from_files, nearest
 from move.realworld.state_columns import POSE
 from move.realworld.untrusted_names import inside
@@ -40,35 +39,51 @@ def episodes(part: Part) -> list[EpisodeRef]:
         match = re.match(r"(episode_?\d+)/", file)
         if match and not re.search(r"/camera/(depth|pointCloud)/", file):
             groups.setdefault(match.group(1), []).append(file)
-    return [
-        EpisodeRef(n, tuple(groups[name]), place={"folder": name}) for n, name in enumerate(sorted(groups, key=natural))
-    ]
+    return [EpisodeRef(n, tuple(groups[name]), place={"folder": name})
+            for n, name in enumerate(sorted(groups, key=natural))]
 
 
 def read(part: Part, ref: EpisodeRef) -> Recording:
     """Read one episode, aligned by `sync.txt`, or by time where that is missing."""
     folder = inside(part.root, ref.place["folder"])
     with reading(folder, "an episode folder of the Pika raw tree"):
-        sensors = {
-            "joints": _choose(folder / "arm/jointState",
-                              PIKA_ARMS), "action": _choose(folder / "arm/jointState", ("master",), only=True),
-            "end_effector": _choose(folder / "arm/endPose",
-                                    PIKA_ARMS), "gripper": _choose(folder / "gripper/encoder", PIKA_GRIPPERS),
-        }
-        notes = []
-        if sensors["end_effector"] is None and (pose := _choose(folder / "localization/pose", ("pika",))):
-            sensors["end_effector"] = pose
-            notes.append("end effector is the Pika's own localisation: its frame is the tracker's, not the arm's base")
-        colour = folder / "camera/color"
-        cameras = {f"camera {name}": colour / name for name in _folders(colour)}
-        files, times, note = _align({k: v for k, v in {**sensors, **cameras}.items() if v is not None})
-        notes += [note] if note else []
-        streams = {"timestamps": times} | {name: _VALUES[name](files[name]) for name in sensors if name in files}
-        streams, hints = _split_gripper(streams)
-        frames = {name.removeprefix("camera "): from_files(files[name]) for name in cameras if name in files}
+        sensors, notes = _sensors(folder)
+        files, times, note = _align(sensors)
+        streams = {"timestamps": times}
+        if "joints" in files:
+            position = _numbers(files["joints"], ("position",))
+            streams["joints"] = position[:, :6]
+            if "gripper" not in files and position.shape[1] > 6:
+                streams["gripper"] = position[:, 6]
+        if "action" in files:
+            streams["action"] = _numbers(files["action"], ("position",))
+        if "end_effector" in files:
+            streams["end_effector"] = _numbers(files["end_effector"], POSE)
+        if "gripper" in files:
+            streams["gripper"] = _numbers(files["gripper"], ("distance",))[:, 0]
+        hints = {"time": "s"} | ({"gripper": "m"} if "gripper" in files else {})
+        cameras = {name.removeprefix("camera "): from_files(paths) for name, paths in files.items()
+                   if name.startswith("camera ")}
         own_times = {name: np.array([_stamp(path) for path in paths]) for name, paths in files.items()}
-        return make_recording(part, ref, streams, source=folder, cameras=frames, hints=hints | {"time": "s"},
-                              notes=notes, own_times=own_times)
+        return make_recording(part, ref, streams, source=folder, cameras=cameras, hints=hints, own_times=own_times,
+                              notes=[*notes, note] if note else notes)
+
+
+def _sensors(folder: Path) -> tuple[dict[str, Path], list[str]]:
+    """The folder of each stream and each camera, and a note where the pose is not the arm's."""
+    found = {
+        "joints": _choose(folder / "arm/jointState", PIKA_ARMS),
+        "action": _choose(folder / "arm/jointState", ("master",), only=True),
+        "end_effector": _choose(folder / "arm/endPose", PIKA_ARMS),
+        "gripper": _choose(folder / "gripper/encoder", PIKA_GRIPPERS),
+    }
+    notes = []
+    if found["end_effector"] is None and (pose := _choose(folder / "localization/pose", ("pika",))):
+        found["end_effector"] = pose
+        notes.append(PIKA_POSE)
+    colour = folder / "camera/color"
+    found |= {f"camera {name}": colour / name for name in _folders(colour)}
+    return {name: place for name, place in found.items() if place is not None}, notes
 
 
 def _choose(folder: Path, order: Sequence[str], *, only: bool = False) -> Path | None:
@@ -80,8 +95,8 @@ def _choose(folder: Path, order: Sequence[str], *, only: bool = False) -> Path |
 
 def _folders(folder: Path) -> list[str]:
     """Names of the folders in a folder, hidden ones left out, sorted; none where there is no such folder."""
-    found = (child for child in folder.iterdir() if child.is_dir()) if folder.is_dir() else ()
-    return sorted(child.name for child in found if not child.name.startswith("."))
+    found = [child.name for child in folder.iterdir() if child.is_dir()] if folder.is_dir() else []
+    return sorted(name for name in found if not name.startswith("."))
 
 
 def _stamp(path: Path) -> float:
@@ -90,26 +105,21 @@ def _stamp(path: Path) -> float:
 
 def _align(sensors: dict[str, Path]) -> tuple[dict[str, list[Path]], np.ndarray, str | None]:
     """One file a timestep for every sensor, the times of the steps (s), and a note where `sync.txt` is missing."""
-    synced = {name: folder / "sync.txt" for name, folder in sensors.items()}
-    if all(path.is_file() for path in synced.values()):
-        files = {
-            name: [inside(path.parent, line.strip())
-                   for line in read_text(path).splitlines()
-                   if line.strip()]
-            for name, path in synced.items()
-        }
+    if all((folder / "sync.txt").is_file() for folder in sensors.values()):
+        files = {}
+        for name, folder in sensors.items():
+            lines = read_text(folder / "sync.txt").splitlines()
+            files[name] = [inside(folder, line.strip()) for line in lines if line.strip()]
         first = next((name for name in files if name.startswith("camera ")), next(iter(files)))
         return files, np.array([_stamp(path) for path in files[first]]), None
-    raw = {
-        name: sorted((path for path in folder.iterdir() if re.fullmatch(r"\d+(\.\d+)?", path.stem)),
-                     key=_stamp) for name, folder in sensors.items()
-    }
-    raw = {name: paths for name, paths in raw.items() if paths}
-    slowest = min(raw, key=lambda name: len(raw[name]))
-    times = np.array([_stamp(path) for path in raw[slowest]])
-    files = {
-        name: [paths[i] for i in nearest(np.array([_stamp(p) for p in paths]), times)] for name, paths in raw.items()
-    }
+    raw, stamps = {}, {}
+    for name, folder in sensors.items():
+        found = [path for path in folder.iterdir() if re.fullmatch(r"\d+(\.\d+)?", path.stem)]
+        if found:
+            raw[name] = sorted(found, key=_stamp)
+            stamps[name] = np.array([_stamp(path) for path in raw[name]])
+    times = min(stamps.values(), key=len)
+    files = {name: [paths[n] for n in nearest(stamps[name], times)] for name, paths in raw.items()}
     return files, times, "no sync.txt: streams aligned by the nearest time stamp"
 
 
@@ -123,21 +133,3 @@ def _numbers(files: Sequence[Path], keys: Sequence[str]) -> np.ndarray:
             raise BadInput(f"{path}: {str(row)[:60]}; expected numbers")
         rows.append(row)
     return np.array(rows, dtype=np.float64)
-
-
-_VALUES: dict[str, Callable[[Sequence[Path]], np.ndarray]] = {
-    "joints": partial(_numbers, keys=("position",)), "action": partial(_numbers, keys=("position",)),
-    "end_effector": partial(_numbers, keys=POSE), "gripper": lambda files: _numbers(files, ("distance",))[:, 0]}
-
-
-def _split_gripper(streams: dict[str, np.ndarray]) -> tuple[dict[str, np.ndarray], dict[str, str]]:
-    """Keep six joints; a seventh is the gripper where no encoder was recorded."""
-    if "gripper" in streams:
-        hints = {"gripper": "m"}
-    else:
-        hints = {}
-        if "joints" in streams and streams["joints"].shape[1] > 6:
-            streams = {**streams, "gripper": streams["joints"][:, 6]}
-    if "joints" in streams:
-        streams = {**streams, "joints": streams["joints"][:, :6]}
-    return streams, hints
