@@ -18,7 +18,6 @@ from move.figures.plots.panels import empty_panel
 from move.figures.plots.style import NAMES, PAGE_WIDTH, titles
 from move.machine import gl_problem
 from move.paper import PAPER_METHODS
-from move.sim import coverage
 from move.sim.collection import Collection
 from move.sim.tasks import TASKS, get_task
 
@@ -46,6 +45,7 @@ def seen(
         image_size: pixels along a side of a frame.
     """
     from move.figures.plots import film
+    from move.sim import coverage  # imports the simulator
 
     collected: dict[str, pd.DataFrame] = {
         name: coverage.configurations(Collection(task=task, method=name, timesteps=timesteps), seed)
@@ -64,6 +64,8 @@ def source(data: Data, *, task: str, timesteps: int, seed: int) -> str:
 
 def tables(data: Data, *, task: str) -> dict[str, pd.DataFrame]:
     """Of each method its demonstrations and the share of the cells of each range that they visit."""
+    from move.sim import coverage
+
     return {"": pd.DataFrame([
         {"method": name, "demonstrations": rows.episode.nunique(), **{
             part: coverage.visited_share(rows, get_task(task), part) for part in coverage.PARTS}}
@@ -101,7 +103,7 @@ def answer(tables: dict[str, pd.DataFrame], data: Data, *, timesteps: int) -> st
     """How many demonstrations each method makes, and what share of the cells they show."""
     row = tables[""].set_index("method")
     shares = "; ".join(f"the {part} in **{row[part].move:.0%}**, {row[part].static:.0%} and {row[part].adc:.0%}"
-                       for part in coverage.PARTS)
+                       for part in ("object", "target", "camera"))
     return (
         "**The paper:** a picture, without numbers, of points (static), more points (ADC) and segments (MOVE). "
         f"**Here:** at {timesteps:,} timesteps MOVE's {row.demonstrations.move}, static's {row.demonstrations.static} "

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, NamedTuple
+from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import pandas as pd
 from matplotlib.figure import Figure
@@ -14,7 +14,9 @@ from move.figures.page.captions import Words
 from move.figures.page.data import Data
 from move.figures.plots import real_figures
 from move.figures.plots.style import NAMES
-from move.realworld import RobotDataSet, check_dataset, checks_table, open_dataset, tracking, workspace, write_sample
+
+if TYPE_CHECKING:
+    from move.realworld import RobotDataSet
 
 Revision = Annotated[str, Field(pattern=r"^([0-9a-f]{40})?$")]
 Episodes = Annotated[int, Field(gt=0, le=10**5, strict=True)]
@@ -43,6 +45,8 @@ def seen(
         size_cap_gb: never fetch more than this.
         units_file: YAML that overrides the detected units; empty: detect.
     """
+    from move.realworld import open_dataset, tracking, workspace, write_sample  # what reads data is slow to import
+
     demos = open_dataset(
         dataset or write_sample(paths.REALWORLD / "sample", episodes=episodes), revision=revision or None,
         episodes=episodes, size_cap_gb=size_cap_gb, units_file=Path(units_file) if units_file else None, log=print)
@@ -59,11 +63,15 @@ def source(data: Data) -> str:
 
 def tables(data: Data) -> dict[str, pd.DataFrame]:
     """What was checked."""
+    from move.realworld import check_dataset, checks_table
+
     return {"checks": checks_table(check_dataset(data.seen.demos))}
 
 
 def draw(tables: dict[str, pd.DataFrame], data: Data) -> dict[str, Figure]:
     """For each method its ways, the cells visited, and frames; and where the object was seen, if it was."""
+    from move.realworld import tracking, workspace
+
     demos, cells, steps, places = data.seen
     figures = {"fig8_real_setup": real_figures.setup_figure(
         cells, steps, workspace.frame_strips(demos.episodes), simulated=demos.simulated,
@@ -76,6 +84,8 @@ def draw(tables: dict[str, pd.DataFrame], data: Data) -> dict[str, Figure]:
 
 def answer(tables: dict[str, pd.DataFrame], data: Data) -> dict[str, str]:
     """What share of the table's cells the arm visits, and in what share of the image's cells the object was seen."""
+    from move.realworld import tracking, workspace
+
     demos, cells, _, places = data.seen
     visited = (cells.visits > 0).groupby(cells.method, sort=False).mean()
     ways = "; ".join(f"{NAMES[method]}: the end effector passed through {share:.0%} of the table's cells"

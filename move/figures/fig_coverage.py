@@ -7,7 +7,6 @@ from functools import partial
 import matplotlib.pyplot as plt
 import pandas as pd
 from matplotlib.figure import Figure
-from scipy import stats
 
 from move.figures import fig6_dimensions, plots
 from move.figures.page.captions import INTERVALS, RATES, Words
@@ -17,7 +16,6 @@ from move.figures.page.parameters import Count, Seeds
 from move.figures.plots.style import PAGE_WIDTH, titles
 from move.figures.tables import rate_table
 from move.paper import PAPER_TASKS
-from move.sim import coverage
 from move.sim.tasks import get_task
 from move.study.axes import budgets
 from move.study.kinds import policy_run
@@ -50,6 +48,8 @@ def seen(data: Data, *, covered_timesteps: Count = 5000) -> pd.DataFrame:
     Columns task, moves, method, value, low, high; object, target, camera and joint (object position and camera angle
     together), measured on the first seed's data, of which the first timesteps are collected again without images.
     """
+    from move.sim import coverage  # imports the simulator
+
     first = {(result.spec.task, result.labels["moves"]): result.spec for result in reversed(data.results)
              if isinstance(result.spec, PolicyRun)}
     shares = []
@@ -89,6 +89,8 @@ def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
 
 def spoken_coverage(table: pd.DataFrame) -> str:
     """How success goes with joint coverage, in words: within tasks, and of MOVE's gain over the tasks' gains."""
+    from scipy import stats
+
     several = table[table.groupby("task").task.transform("size") > 1]
     if len(several) < 3:
         return "Fewer than three cells are stored."

@@ -9,7 +9,6 @@ from move.figures.page.captions import Words
 from move.figures.page.data import Data
 from move.figures.plots import real_figures
 from move.figures.plots.style import NAMES
-from move.realworld import scoring, trials
 
 
 def seen(data: Data, *, sheet: str = "") -> pd.DataFrame | None:
@@ -18,7 +17,11 @@ def seen(data: Data, *, sheet: str = "") -> pd.DataFrame | None:
     Args:
         sheet: path of a CSV with the columns trial, method, position_x_m, position_y_m, score; empty: none.
     """
-    return scoring.score_table(scoring.read_sheet(sheet)) if sheet else None
+    if not sheet:
+        return None
+    from move.realworld import scoring
+
+    return scoring.score_table(scoring.read_sheet(sheet))
 
 
 def source(data: Data) -> str:
@@ -28,6 +31,8 @@ def source(data: Data) -> str:
 
 def tables(data: Data) -> dict[str, pd.DataFrame]:
     """The paper's four cells with exact intervals, and the scores that their successes allow."""
+    from move.realworld import trials
+
     return {"": trials.real_table()}
 
 
@@ -48,6 +53,8 @@ def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:
 
 def pairs() -> pd.DataFrame:
     """All pairs of the paper's cells by their names, with exact tests; see `move.realworld.trials.comparisons`."""
+    from move.realworld import trials
+
     table = trials.comparisons()
     cells = {column: [cell.split() for cell in table[column]] for column in ("first", "second")}
     return table.assign(**{column: [f"{NAMES[method]} {size}" for method, size in cell]
@@ -56,6 +63,8 @@ def pairs() -> pd.DataFrame:
 
 def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
     """The paper's counts, which of them differ by an exact test, and which rise thirty trials would find."""
+    from move.realworld import trials
+
     table, compared = tables[""], pairs()
     apart = compared.query("fisher < 0.05")
     each = "; ".join(f"{pair.first} and {pair.second} (p = {pair.fisher:.3f})" for pair in apart.itertuples())

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
+from typing import get_args
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -10,6 +11,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from move import paper
+from move.choices import ExpertName
 from move.figures import plots
 from move.figures.page.captions import Words
 from move.figures.page.data import Data
@@ -17,7 +19,6 @@ from move.figures.page.parameters import Count
 from move.figures.plots.style import PAGE_WIDTH, titles
 from move.figures.tables import collection_costs, with_paper
 from move.paper import PAPER_METHODS, PAPER_TASKS
-from move.sim.experts.phase import EXPERTS
 from move.sim.tasks import TASKS
 from move.sim.tasks.task import acceptance_rate
 from move.study.kinds import collector_run
@@ -30,7 +31,7 @@ VALUES = ("mean_steps", "generation_rate")
 def runs(profile: Profile, attempts: Count = 100) -> list[LabelledRun]:
     """Attempts by each expert, static, ADC and MOVE, on every task."""
     base = partial(collector_run, profile, attempts=attempts)
-    return grid(base, expert=list(EXPERTS), task=PAPER_TASKS, method=PAPER_METHODS)
+    return grid(base, expert=get_args(ExpertName), task=PAPER_TASKS, method=PAPER_METHODS)
 
 
 def tables(data: Data) -> dict[str, pd.DataFrame]:

@@ -9,12 +9,11 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
-
-from IPython import get_ipython
 
 from move import paths
 from move.figures.page.parameters import parameters
@@ -47,6 +46,12 @@ class Change:
         chosen = {name: value for name, (value, _) in self.parameters.items()}
         told = json.dumps([self.profile.name, chosen], sort_keys=True)
         return paths.own_figures(f"{self.figure}-{hashlib.sha256(told.encode()).hexdigest()[:8]}")
+
+
+def get_ipython() -> Any:
+    """The interactive shell in which this runs, None elsewhere."""
+    shells = sys.modules.get("IPython")  # imported wherever there is one
+    return shells.get_ipython() if shells else None
 
 
 def by_command() -> bool:

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import matplotlib.pyplot as plt
 import pandas as pd
-from IPython.display import Image, Markdown
 from matplotlib.figure import Figure
-from pandas.io.formats.style import Styler
 
 from move import paths
 from move.figures import load
@@ -22,6 +20,9 @@ from move.figures.plots import style
 from move.study.execute import progress_bars
 from move.study.profiles import load_profile
 
+if TYPE_CHECKING:
+    from IPython.display import Image, Markdown
+    
 Item = TypeVar("Item")
 WIDEST = 900  # pixels of a picture in a notebook
 
@@ -41,6 +42,8 @@ class Made:
     @property
     def answer(self) -> Markdown:
         """What came out, and where the files are if they are not the shipped ones."""
+        from IPython.display import Markdown
+
         said = self.answers[self.name]
         if self.change or not changes.by_command():
             remark = f"{printed.as_markdown(str(self.change))}. " if self.change else ""
@@ -54,6 +57,8 @@ class Made:
         Args:
             name: of one that is not called as the figure is.
         """
+        from IPython.display import Image
+
         figure = self.figures[name or self.name]
         wide = min(WIDEST, round(100 * figure.get_figwidth() * 1.3))
         return Image(filename=str(self.data.folder / f"{name or self.name}.png"), width=wide)

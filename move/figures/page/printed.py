@@ -11,15 +11,17 @@ import html
 import re
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
-from pandas.io.formats.style import Styler
 
 from move.figures.plots.style import NAMES
 from move.files import written_aside
 from move.sim.tasks import TASKS
+
+if TYPE_CHECKING:
+    from pandas.io.formats.style import Styler
 
 ABSENT, MINUS = "\N{EM DASH}", "\N{MINUS SIGN}"
 LONG_ROWS, LONG_TEXT, WIDE = 45, 44, 62  # rows on a page; letters of a cell that breaks lines; letters in one column

@@ -12,7 +12,6 @@ from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
-import seaborn as sns
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.transforms import Bbox
@@ -49,6 +48,8 @@ LETTERS = "abcdefghijklmnopqrstuvwxyz"
 
 def use_style() -> None:
     """Set matplotlib up for a two-column PDF; the same bytes every time a figure is written."""
+    import seaborn as sns  # slow to import, and of use where something is drawn
+
     sns.set_theme(style="ticks", context="paper", rc={
         "font.size": 7.5, "axes.titlesize": 8, "axes.labelsize": 7.5, "legend.fontsize": 7, "xtick.labelsize": 7,
         "ytick.labelsize": 7, "axes.spines.top": False, "axes.spines.right": False, "figure.dpi": 150,
