@@ -22,6 +22,7 @@ from move.study.profiles import load_profile
 
 if TYPE_CHECKING:
     from IPython.display import Image, Markdown
+    from pandas.io.formats.style import Styler
     
 Item = TypeVar("Item")
 WIDEST = 900  # pixels of a picture in a notebook
