@@ -57,6 +57,10 @@ class Profile(BaseModel):
         default_factory=dict, description="by observation: gradient steps for so many timesteps of data"
     )
     notebooks: dict[str, dict[str, Any]] = Field(description="parameters that differ from the notebook's own")
+    limits: dict[str, Budget] = Field(
+        default_factory=dict, description="by name, the most that a parameter is in any notebook for which `notebooks` "
+        "chooses none; of several numbers each"
+    )
     leaves_out_pixels: bool = Field(
         default=False, description="whether runs from pixels are left out, and not refused, where nothing can draw"
     )

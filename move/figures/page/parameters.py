@@ -97,7 +97,7 @@ def parameters(name: str, profile: Profile, changes: Mapping[str, Any] | None = 
     changed = profile.parameters(name)
     refuse_unknown(name, changed, f"profile {profile.name}: ")
     refuse_unknown(name, changes or {})
-    own = defaults(name)
+    own = {key: _limited(value, profile.limits.get(key)) for key, value in defaults(name).items()}
     if own.get("observation") not in (None, *profile.observations):
         own["observation"] = "keypoints"
     given = {**own, **changed, **(changes or {})}
@@ -130,6 +130,13 @@ def runs(name: str, profile: Profile, changes: Mapping[str, Any] | None = None) 
 def specs(name: str, profile: Profile, changes: Mapping[str, Any] | None = None) -> list[RunSpec]:
     """The same runs without their labels."""
     return [run.spec for run in runs(name, profile, changes)]
+
+
+def _limited(value: Any, limit: int | None) -> Any:
+    """A number, or each of several, but at most `limit`."""
+    if limit is None:
+        return value
+    return tuple(dict.fromkeys(min(one, limit) for one in value)) if isinstance(value, tuple) else min(value, limit)
 
 
 def _check_values(name: str, value: Any) -> None:

@@ -63,4 +63,6 @@ def short(number: float) -> str:
     >>> short(2500), short(0.333)
     ('2.5k', '0.33')
     """
-    return f"{number / 1000:g}k" if number >= 1000 else f"{number:.2g}"
+    if number >= 100:
+        return f"{number / 1000:g}k" if number >= 1000 else f"{number:.0f}"
+    return f"{number:.2g}"
