@@ -192,7 +192,7 @@ class Here:
 
 @pytest.fixture
 def in_this_process(monkeypatch):
-    monkeypatch.setattr(execute, "process_pool", lambda workers: Here())
+    monkeypatch.setattr(execute, "ProcessPool", lambda workers: Here())
 
 
 def test_only_what_is_missing_is_computed(tmp_path, in_this_process, monkeypatch):

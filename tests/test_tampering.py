@@ -216,7 +216,7 @@ def test_verify_has_a_row_for_an_unusable_file(honest, folder, monkeypatch):
 def test_run_sets_a_bad_file_aside_and_computes_anew(honest, folder, change, monkeypatch, capfd):
     from test_study import Here
 
-    monkeypatch.setattr(execute, "process_pool", lambda workers: Here())
+    monkeypatch.setattr(execute, "ProcessPool", lambda workers: Here())
     path = tamper(change, honest, folder)
     path.with_suffix(".bad").write_text("an older one")
     there, missing = execute.execute([spec(0), spec(1)], folder, quiet=True)
