@@ -25,7 +25,7 @@ from move.report import captions
 from move.sim.demonstrations import Demonstrations, fingerprint
 from move.study import cluster, execute, policies, provenance, results, run
 from move.study.kinds import collector_run, control_run
-from move.study.profiles import load_profile
+from move.study.profiles import Profile, load_profile
 
 LAPTOP = load_profile("laptop")
 SHIPPED = experiments.specs("rollouts", LAPTOP)
@@ -133,7 +133,7 @@ def test_a_training_does_not_go_on_in_another_precision(tmp_path, monkeypatch, s
 def shipped(tmp_path, monkeypatch):
     """A copy of the shipped policies; returns the folder of a spec's."""
     shutil.copytree(policies._shipped(SHIPPED[0], LAPTOP).parent, tmp_path / "policies")
-    monkeypatch.setattr(policies.paths, "results", lambda profile: tmp_path)
+    monkeypatch.setattr(Profile, "results", property(lambda profile: tmp_path))
     monkeypatch.setattr(policies.paths, "RUNS", tmp_path / "nothing")
     return lambda spec: tmp_path / "policies" / spec.policy_hash
 

@@ -9,11 +9,10 @@ import matplotlib.pyplot as plt  # noqa: E402
 import pandas as pd  # noqa: E402
 import pytest  # noqa: E402
 
-from move import paths  # noqa: E402
 from move.errors import BadInput  # noqa: E402
 from move.experiments import EXPERIMENTS, registry  # noqa: E402
 from move.report import covered, notebooks  # noqa: E402
-from move.study.profiles import load_profile  # noqa: E402
+from move.study.profiles import Profile, load_profile  # noqa: E402
 
 LAPTOP = load_profile("laptop")
 SLOW = {"fig_coverage"}  # collects anew what its policies learnt from: only its words are tried here
@@ -24,7 +23,7 @@ READING = sorted((set(EXPERIMENTS) - SLOW) | {"claims", "table5_data_sizes"})
 def figures(tmp_path, monkeypatch):
     """Where the figures go; nothing is run."""
     monkeypatch.setenv("MOVE_STORED_ONLY", "1")
-    monkeypatch.setattr(paths, "figures", lambda profile: tmp_path / "figures")
+    monkeypatch.setattr(Profile, "figures", property(lambda profile: tmp_path / "figures"))
     yield tmp_path / "figures"
     plt.close("all")
 
@@ -34,7 +33,7 @@ def alone(request, tmp_path_factory):
     """A folder with the shipped results of one method alone."""
     folder = tmp_path_factory.mktemp(request.param)
     for spec in (spec for name in EXPERIMENTS for spec in registry.specs(name, LAPTOP)):
-        stored = paths.results(LAPTOP) / f"{spec.hash}.json"
+        stored = LAPTOP.results / f"{spec.hash}.json"
         if spec.collection and spec.method == request.param and stored.exists():
             (folder / stored.name).unlink(missing_ok=True)
             (folder / stored.name).symlink_to(stored)
@@ -44,8 +43,7 @@ def alone(request, tmp_path_factory):
 @pytest.mark.parametrize("name", READING)
 def test_a_figure_is_drawn_where_only_one_method_is_there(name, alone, figures, monkeypatch):
     method, folder = alone
-    monkeypatch.setattr(paths, "results", lambda profile: folder)
-    monkeypatch.setattr("move.claims.evidence.results", lambda profile: folder)
+    monkeypatch.setattr(Profile, "results", property(lambda profile: folder))
     own = registry.specs(name, LAPTOP) if name in EXPERIMENTS else []
     if own and not any((folder / f"{spec.hash}.json").exists() for spec in own):
         with pytest.raises(BadInput, match=f"none of the {len(own)} runs"):

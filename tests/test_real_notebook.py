@@ -13,6 +13,7 @@ import real_writers as w
 from move import paths
 from move.realworld import trials
 from move.report import captions, changes, style, tables
+from move.study.profiles import Profile
 
 NAME = "table3_real_robot"
 PARAMETERS = ("profile", "data", "revision", "episodes", "size_cap_gb", "units_file", "sheet")
@@ -20,7 +21,7 @@ PARAMETERS = ("profile", "data", "revision", "episodes", "size_cap_gb", "units_f
 
 def run(tmp_path: Path, monkeypatch, **changes: object) -> dict:
     """Its cells with other parameters, one after the other in this process; what they made is below `tmp_path`."""
-    monkeypatch.setattr(paths, "figures", lambda profile: tmp_path / profile.name)
+    monkeypatch.setattr(Profile, "figures", property(lambda profile: tmp_path / profile.name))
     monkeypatch.setattr(paths, "REALWORLD", tmp_path / "realworld")
     space = cells.execute(NAME, **changes)
     assert set(PARAMETERS) <= set(space)

@@ -12,8 +12,7 @@ import recipes  # noqa: E402
 
 from move import (
     experiments,  # noqa: E402
-    paths,  # noqa: E402
-)
+    )
 from move.report import captions, differences, maps, page, plots, printed, style, tables  # noqa: E402
 from move.sim.collect import Collection  # noqa: E402
 from move.sim.configuration import Disc  # noqa: E402
@@ -22,7 +21,7 @@ from move.statistics import estimates as statistics  # noqa: E402
 from move.statistics.cells import training_noise  # noqa: E402
 from move.study import results  # noqa: E402
 from move.study.labels import LabelledRun  # noqa: E402
-from move.study.profiles import load_profile  # noqa: E402
+from move.study.profiles import Profile, load_profile  # noqa: E402
 from move.study.spec import CollectionRun, PolicyRun  # noqa: E402
 
 
@@ -170,7 +169,7 @@ def test_table_4_agrees_with_the_paper_where_it_should():
 
 def test_the_shipped_table_4_is_that_of_the_profiles():
     laptop, other = load_profile("laptop"), load_profile("paper")
-    shipped = pd.read_csv(paths.figures(laptop) / "table4_hyperparameters.csv", dtype=str, keep_default_na=False)
+    shipped = pd.read_csv(laptop.figures / "table4_hyperparameters.csv", dtype=str, keep_default_na=False)
     drawn = tables.hyperparameters([laptop, other])
     told = {name: shipped[name].tolist() == drawn[name].tolist() for name in drawn}
     assert told == dict.fromkeys(drawn, True)
@@ -281,7 +280,7 @@ def test_plots_draw_one_mark_a_row_and_survive_a_missing_method():
 
 def test_a_figure_drawn_from_what_is_stored_runs_nothing(tmp_path, monkeypatch):
     monkeypatch.setenv("MOVE_STORED_ONLY", "1")
-    monkeypatch.setattr(page.paths, "results", lambda profile: tmp_path)
+    monkeypatch.setattr(Profile, "results", property(lambda profile: tmp_path))
     monkeypatch.setattr("move.study.results.refuse_other_content", lambda content, spec: None)  # these are toys
     stored = collector("static", [(True, 10)])
     results.store(stored, tmp_path)
@@ -327,7 +326,7 @@ def test_a_readable_table_is_in_per_cent_and_points_with_human_names_and_no_nan(
     assert "Pick-Place" in tables.shown(table).to_html() and "NaN" not in tables.shown(table).to_html()
 
 
-@pytest.mark.parametrize("path", sorted(paths.figures(load_profile("laptop")).glob("*.csv")),
+@pytest.mark.parametrize("path", sorted(load_profile("laptop").figures.glob("*.csv")),
                          ids=lambda path: path.stem)
 def test_every_shipped_table_can_be_shown(path):
     """No heading is a variable's name, no cell is NaN or a list; the CSV itself stays tidy."""

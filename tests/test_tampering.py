@@ -8,14 +8,13 @@ import re
 import pytest
 import recipes
 
-from move import paths
 from move.errors import BadInput
 from move.learn.evaluation import Evaluation
 from move.report import page
 from move.sim.collect import Collection
 from move.study import execute, plan, results, run, stored, verify
 from move.study.labels import LabelledRun
-from move.study.profiles import load_profile
+from move.study.profiles import Profile, load_profile
 from move.study.spec import PolicyRun
 
 TINY = recipes.keypoints(gradient_steps=3, warmup_steps=1, batch_size=8)
@@ -166,8 +165,7 @@ TAMPERED = [  # what is done, the reason that is told, None where the file stays
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
     """A results folder of the profile, and build/ elsewhere."""
-    for module in (paths, plan, page.paths):
-        monkeypatch.setattr(module, "results", lambda profile: tmp_path / "results")
+    monkeypatch.setattr(Profile, "results", property(lambda profile: tmp_path / "results"))
     monkeypatch.setattr(run, "RUNS", tmp_path / "runs")
     (tmp_path / "results").mkdir()
     return tmp_path / "results"

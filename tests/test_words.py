@@ -10,7 +10,7 @@ from move.report import captions, covered, differences, efficiency, page, tables
 from move.sim.collect import Collection
 from move.statistics.estimates import UNKNOWN
 from move.study import results
-from move.study.profiles import load_profile
+from move.study.profiles import Profile, load_profile
 from move.study.spec import PolicyRun
 
 LAPTOP = load_profile("laptop")
@@ -216,5 +216,5 @@ def test_the_noise_of_a_figure_is_that_of_all_cells_that_are_tried_alike(observa
 
 def test_nothing_is_known_of_the_noise_without_a_recipe_or_from_one_seed(tmp_path, monkeypatch):
     assert noise.known_noise(load_profile("laptop-keypoints"), "rgb") is UNKNOWN
-    monkeypatch.setattr(noise, "results", lambda profile: tmp_path)
+    monkeypatch.setattr(Profile, "results", property(lambda profile: tmp_path))
     assert noise.known_noise(LAPTOP, "rgb") is UNKNOWN

@@ -38,7 +38,7 @@ from move.learn.settings import Training  # noqa: E402
 from move.learn.train import Trainer, train  # noqa: E402
 from move.machine import gl_problem, gl_renderer, keep_freed_memory, peak_memory_mb, processor  # noqa: E402
 from move.paper import PAPER_METHODS  # noqa: E402
-from move.paths import ROOT, figures  # noqa: E402
+from move.paths import ROOT  # noqa: E402
 from move.sim.collect import Collection, attempts, collect  # noqa: E402
 from move.sim.demonstrations import Demonstrations  # noqa: E402
 from move.sim.scene.scene import Scene  # noqa: E402
@@ -239,7 +239,7 @@ def main() -> None:
     lines = [f"Measured by `make bench` on {where}.", "", *(f"| {' | '.join(row)} |" for row in
              (header, ("---",) * len(header), *rows))]
     if not sys.argv[1:]:
-        (figures(load_profile("laptop")) / "bench.md").write_text("\n".join(lines) + "\n")
+        (load_profile("laptop").figures / "bench.md").write_text("\n".join(lines) + "\n")
 
 
 if __name__ == "__main__":

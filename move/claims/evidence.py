@@ -16,7 +16,6 @@ from move.claims.needed import Design
 from move.claims.rule import INFINITE, NAN, Finding, Missing
 from move.experiments import registry
 from move.experiments.noise import known_noise
-from move.paths import results
 from move.sim.grasp_points import CIRCLE
 from move.statistics.estimates import Estimate, TrainingNoise
 from move.study.labels import LabelledRun
@@ -84,7 +83,7 @@ class Evidence:
 
     def _read(self, experiment: str) -> dict[str, Result]:
         specs = [run.spec for run in registry.runs(experiment, self.profile)]
-        return {result.spec.hash: result for result in split(specs, results(self.profile))[0]}
+        return {result.spec.hash: result for result in split(specs, self.profile.results)[0]}
 
     def _episodes(self, experiment: str) -> pd.DataFrame:
         stored = self._stored(experiment)

@@ -7,7 +7,6 @@ from collections.abc import Iterator
 import numpy as np
 
 from move.experiments import registry
-from move.paths import results
 from move.statistics.cells import successes
 from move.statistics.estimates import TrainingNoise, training_noise_of
 from move.study.profiles import Profile
@@ -36,7 +35,7 @@ def _cells(profile: Profile, observation: str, grid: bool) -> Iterator[np.ndarra
              if run.spec.training and run.spec.observation == observation
              and (run.spec.evaluation.starts == "grid") == grid}
     seeds: dict[str, list] = {}
-    for result in split(sorted(specs, key=lambda spec: spec.hash), results(profile))[0]:
+    for result in split(sorted(specs, key=lambda spec: spec.hash), profile.results)[0]:
         seeds.setdefault(result.spec.model_copy(update={"seed": 0}).hash, []).append(result)
     for repeated in seeds.values():
         if len(repeated) > 1:

@@ -103,7 +103,7 @@ def _missing(name: str, profile: Profile, changes: dict[str, Any]) -> list[str]:
     if name not in EXPERIMENTS:
         return []
     own = {key: value for key, value in changes.items() if key in defaults(name)}
-    folder = paths.results(profile)
+    folder = profile.results
     found = dict.fromkeys(spec.hash for spec in specs(name, profile, own))
     return [run for run in found if not (folder / f"{run}.json").exists()]
 

@@ -17,7 +17,7 @@ from IPython.display import Markdown, display
 from matplotlib.axes import Axes
 from torch import Tensor
 
-from move import experiments, paths
+from move import experiments
 from move.learn.dataset import window_indices
 from move.learn.diffusion import DiffusionPolicy, noise_schedule
 from move.learn.settings import Training
@@ -147,7 +147,7 @@ def stored(figure: str, profile: str) -> pd.DataFrame:
     """The episodes of a figure's stored runs, one row each; nothing is computed."""
     chosen = load_profile(profile)
     runs = {run.spec.hash: run for run in experiments.runs(figure, chosen)}
-    there, _ = results.split([run.spec for run in runs.values()], paths.results(chosen))
+    there, _ = results.split([run.spec for run in runs.values()], chosen.results)
     return results.table(there)
 
 
