@@ -94,7 +94,8 @@ def test_what_is_shipped_is_read_and_what_is_new_is_stored_elsewhere(tmp_path, m
     rows = [{"trial": 0, "group": "grid", "success": True, "steps": 3}]
     results = [Result(run.spec, rows, None, None, {"train": 1.0}, {}) for run in asked]
     store(results[0], LAPTOP.results)
-    monkeypatch.setattr("move.study.results.refuse_other_content", lambda content, spec: None)  # these are toys
+    toys = {result.spec.hash: result for result in results}
+    monkeypatch.setattr("move.study.results.read", lambda path: toys[path.stem])  # whose files would be refused
     computed = []
 
     def compute(specs, folder):

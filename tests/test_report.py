@@ -281,9 +281,9 @@ def test_plots_draw_one_mark_a_row_and_survive_a_missing_method():
 def test_a_figure_drawn_from_what_is_stored_runs_nothing(tmp_path, monkeypatch):
     monkeypatch.setenv("MOVE_STORED_ONLY", "1")
     monkeypatch.setattr(Profile, "results", property(lambda profile: tmp_path))
-    monkeypatch.setattr("move.study.results.refuse_other_content", lambda content, spec: None)  # these are toys
     stored = collector("static", [(True, 10)])
     results.store(stored, tmp_path)
+    monkeypatch.setattr(results, "read", lambda path: stored)  # a toy, whose file would be refused
     other = stored.spec.model_copy(update={"seed": 5})
     monkeypatch.setattr(page, "execute", lambda *arguments: pytest.fail("something was run"))
     loaded = page.load_or_run([LabelledRun(stored.spec), LabelledRun(other)], load_profile("smoke"))
