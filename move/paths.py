@@ -8,12 +8,8 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from move.errors import BadInput
-
-if TYPE_CHECKING:
-    from move.study.profiles import Profile
 
 VARIABLE = "MOVE_ROOT"  # another checkout's root
 PACKAGE = Path(__file__).resolve().parent
@@ -37,21 +33,6 @@ def refuse_outside_checkout() -> None:
         raise BadInput(f"{PACKAGE}: installed without notebooks, results and lock; this needs a checkout of the "
                        "repository, in which `make setup` installs it (collect, export, train, evaluate and compare "
                        "need none)")
-
-
-def results(profile: Profile) -> Path:
-    """Where a profile's results are: one JSON file a run. A stamped profile's prove nothing and stay out of git."""
-    return (BUILD if profile.stamp else ROOT) / "results" / (profile.shares_results or profile.name)
-
-
-def own_results(profile: Profile) -> Path:
-    """Where notebooks store the runs that they compute, so that what is shipped stays as it is."""
-    return BUILD / "results" / results(profile).name
-
-
-def figures(profile: Profile) -> Path:
-    """Where a profile's figures and tables go; the shipped ones are in git."""
-    return ROOT / "paper_figures" if profile.shipped else own_figures(profile.name)
 
 
 def own_figures(name: str) -> Path:

@@ -283,7 +283,7 @@ def stored() -> Evidence:
 def test_the_ledger_has_the_figures_own_intervals_and_signs(number, stored):
     """As far as the runs are stored: a mean over tasks of which one is missing is not computed."""
     name, baseline, by = FIGURES[number]
-    drawn = pd.read_csv(paths.figures(LAPTOP) / f"{name}.csv").query("baseline == @baseline")
+    drawn = pd.read_csv(LAPTOP.figures / f"{name}.csv").query("baseline == @baseline")
     if by and "=" in by:
         column, value = by.split("=")
         drawn = drawn[drawn[column] == value]
@@ -303,7 +303,7 @@ def test_the_ledger_has_the_figures_own_intervals_and_signs(number, stored):
 
 
 def test_a_claim_without_runs_says_what_it_would_cost(tmp_path, monkeypatch):
-    monkeypatch.setattr("move.claims.evidence.results", lambda profile: tmp_path)
+    monkeypatch.setattr(Profile, "results", property(lambda profile: tmp_path))
     evidence = Evidence(LAPTOP)
     asked = [item for each in claims() if each.figure in EXPERIMENTS for item in findings(each, evidence)]
     missing = [item for item in asked if isinstance(item, Missing)]
@@ -313,7 +313,7 @@ def test_a_claim_without_runs_says_what_it_would_cost(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("profile, gl", [("laptop-keypoints", True), ("smoke", False), ("paper", True)])
 def test_a_claim_that_a_profile_has_no_runs_for_says_so(profile, gl, tmp_path, monkeypatch):
-    monkeypatch.setattr("move.claims.evidence.results", lambda profile: tmp_path)
+    monkeypatch.setattr(Profile, "results", property(lambda profile: tmp_path))
     monkeypatch.setattr("move.study.profiles.gl_problem", lambda: None if gl else "no GL")
     evidence = Evidence(load_profile(profile))
     for each in claims():
@@ -331,14 +331,14 @@ def test_the_robots_numbers_are_the_papers_thirty_trials_and_one_exact_test():
 
 
 def test_the_ledger_for_other_programs_is_the_table_with_its_schema_and_the_claims_fingerprint(tmp_path):
-    shipped = json.loads((paths.figures(LAPTOP) / "claims.json").read_text())
+    shipped = json.loads((LAPTOP.figures / "claims.json").read_text())
     assert shipped["claims_sha256"] == hashlib.sha256(data.FILE.read_bytes()).hexdigest(), "make claims"
     decided = ledger.Ledger.model_validate(shipped).claims
-    table = pd.read_csv(paths.figures(LAPTOP) / "claims.csv")
+    table = pd.read_csv(LAPTOP.figures / "claims.csv")
     assert [one.verdict for one in decided] == table.verdict.tolist() and set(table.verdict) <= set(VERDICTS)
     ledger.save_json(decided, tmp_path)
     for name in ("claims.schema.json",):
-        assert (tmp_path / name).read_text() == (paths.figures(LAPTOP) / name).read_text()
+        assert (tmp_path / name).read_text() == (LAPTOP.figures / name).read_text()
     with pytest.raises(ValidationError):
         ledger.Ledger.model_validate(shipped | {"more": 1})
 
@@ -392,9 +392,9 @@ def test_a_claim_that_was_added_since_was_committed_before_its_runs():
 
     versions = [(commit, decisive(git("show", f"{commit}:{where}"))) for commit in commits]
     versions.append(("not committed", decisive(data.FILE.read_text())))
-    shipped = json.loads((paths.figures(LAPTOP) / "claims.json").read_text())["claims"]
-    runs = {one["number"]: {json.loads((paths.results(LAPTOP) / f"{run}.json").read_text())["provenance"]["commit"]
-                            for run in one["runs"] if (paths.results(LAPTOP) / f"{run}.json").exists()}
+    shipped = json.loads((LAPTOP.figures / "claims.json").read_text())["claims"]
+    runs = {one["number"]: {json.loads((LAPTOP.results / f"{run}.json").read_text())["provenance"]["commit"]
+                            for run in one["runs"] if (LAPTOP.results / f"{run}.json").exists()}
             for one in shipped if versions[0][1].get(one["number"]) != versions[-1][1].get(one["number"])}
 
     def is_before(one: str, other: str) -> bool:

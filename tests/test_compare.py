@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from test_cli import move
 
-from move import paths
 from move.errors import BadInput
 from move.figures.page import parameters
 from move.statistics.estimates import difference
@@ -62,7 +61,7 @@ def test_two_stored_runs_by_their_hashes_and_a_run_with_itself(capsys):
             if run.spec.task == "pick-place" and run.spec.seed == 0 and run.spec.observation == "rgb"}
     code, out, _ = move(capsys, "compare", runs["move"].hash, runs["static"].hash, "--json")
     found = json.loads(out)
-    rates = [results.load(runs[method], paths.results(profile)).rate for method in ("move", "static")]
+    rates = [results.load(runs[method], profile.results).rate for method in ("move", "static")]
     assert code == 0 and found["difference"]["value"] == pytest.approx(rates[0] - rates[1])
     assert found["difference"]["low"] > 0
     code, out, _ = move(capsys, "compare", runs["move"].hash, runs["move"].hash)

@@ -24,7 +24,7 @@ from move.learn.train import train
 from move.sim.demonstrations import Demonstrations, fingerprint
 from move.study import cluster, execute, policies, provenance, results, run
 from move.study.kinds import collector_run, control_run
-from move.study.profiles import load_profile
+from move.study.profiles import Profile, load_profile
 
 LAPTOP = load_profile("laptop")
 SHIPPED = parameters.specs("rollouts", LAPTOP)
@@ -132,7 +132,7 @@ def test_a_training_does_not_go_on_in_another_precision(tmp_path, monkeypatch, s
 def shipped(tmp_path, monkeypatch):
     """A copy of the shipped policies; returns the folder of a spec's."""
     shutil.copytree(policies._shipped(SHIPPED[0], LAPTOP).parent, tmp_path / "policies")
-    monkeypatch.setattr(policies.paths, "results", lambda profile: tmp_path)
+    monkeypatch.setattr(Profile, "results", property(lambda profile: tmp_path))
     monkeypatch.setattr(policies.paths, "RUNS", tmp_path / "nothing")
     return lambda spec: tmp_path / "policies" / spec.policy_hash
 

@@ -89,9 +89,9 @@ def test_a_profile_is_read_once_however_many_runs_it_makes(monkeypatch):
 
 def test_a_profile_says_where_its_files_go():
     laptop, other = load_profile("laptop"), load_profile("laptop-keypoints")
-    assert paths.figures(laptop) == paths.ROOT / "paper_figures" != paths.figures(other)
-    assert paths.results(other) == paths.ROOT / "results" / "laptop"  # a run is the same in whichever profile
-    assert SMOKE.stamp and paths.results(SMOKE).is_relative_to(paths.BUILD)
+    assert laptop.figures == paths.ROOT / "paper_figures" != other.figures
+    assert other.results == paths.ROOT / "results" / "laptop"  # a run is the same in whichever profile
+    assert SMOKE.stamp and SMOKE.results.is_relative_to(paths.BUILD)
     assert [name for name in profiles.names() if load_profile(name).shipped] == ["laptop"]
     assert [name for name in profiles.names() if load_profile(name).stamp] == ["smoke"]
 

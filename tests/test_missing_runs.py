@@ -9,7 +9,6 @@ import matplotlib.pyplot as plt  # noqa: E402
 import pandas as pd  # noqa: E402
 import pytest  # noqa: E402
 
-from move import paths  # noqa: E402
 from move.errors import BadInput  # noqa: E402
 from move.figures import fig_coverage  # noqa: E402
 from move.figures.page.parameters import specs, with_runs  # noqa: E402
@@ -25,7 +24,7 @@ READING = [name for name in (*WITH_RUNS, "claims") if name not in SLOW]
 def figures(tmp_path, monkeypatch):
     """Where the figures go; nothing is run."""
     monkeypatch.setenv("MOVE_STORED_ONLY", "1")
-    monkeypatch.setattr(paths, "figures", lambda profile: tmp_path / "figures")
+    monkeypatch.setattr(Profile, "figures", property(lambda profile: tmp_path / "figures"))
     yield tmp_path / "figures"
     plt.close("all")
 
@@ -35,7 +34,7 @@ def alone(request, tmp_path_factory):
     """A folder with the shipped results of one method alone."""
     folder = tmp_path_factory.mktemp(request.param)
     for spec in (spec for name in WITH_RUNS for spec in specs(name, LAPTOP)):
-        stored = paths.results(LAPTOP) / f"{spec.hash}.json"
+        stored = LAPTOP.results / f"{spec.hash}.json"
         if spec.collection and spec.method == request.param and stored.exists():
             (folder / stored.name).unlink(missing_ok=True)
             (folder / stored.name).symlink_to(stored)

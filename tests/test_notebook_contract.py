@@ -28,7 +28,7 @@ def test_a_notebooks_defaults_are_its_experiments(name):
 
 @pytest.mark.parametrize("profile, stamped", [("smoke", True), ("laptop", False)])
 def test_a_smoke_figure_says_so_across_itself_and_no_other_does(profile, stamped, tmp_path, monkeypatch):
-    monkeypatch.setattr(paths, "figures", lambda name: tmp_path)
+    monkeypatch.setattr(Profile, "figures", property(lambda name: tmp_path))
     figure, _ = plt.subplots()
     page.write("claims", figure, {}, load_profile(profile), "source")
     assert ("SMOKE" in [text.get_text() for text in figure.texts]) is stamped

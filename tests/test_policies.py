@@ -17,7 +17,7 @@ from move.learn.evaluation import Evaluation, starts
 from move.machine import gl_problem
 from move.sim.tasks import get_task
 from move.study import policies
-from move.study.profiles import load_profile
+from move.study.profiles import Profile, load_profile
 
 LAPTOP = load_profile("laptop")
 SPECS = parameters.specs("rollouts", LAPTOP)
@@ -63,7 +63,7 @@ def test_a_run_whose_policy_cannot_be_tried_is_one_line(given, why, capsys):
                                      {"3": np.zeros((0, 4))}, {"3": np.zeros(4)}])
 def test_a_damaged_record_of_episodes_is_one_clear_line(content, tmp_path, monkeypatch):
     spec = SPECS[0]
-    monkeypatch.setattr(paths, "results", lambda profile: tmp_path)
+    monkeypatch.setattr(Profile, "results", property(lambda profile: tmp_path))
     path = tmp_path / "policies" / spec.policy_hash / policies.EPISODES
     path.parent.mkdir(parents=True)
     save_file(content, path) if isinstance(content, dict) else path.write_bytes(content)

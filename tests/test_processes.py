@@ -6,7 +6,6 @@ import sys
 import threading
 import time
 from contextlib import suppress
-from pathlib import Path
 
 import psutil
 import pytest
@@ -16,92 +15,47 @@ from move.errors import BadInput
 from move.study import execute, processes, run
 from move.study.kinds import control_run
 from move.study.processes import Processes, RunFailed
+from move.study.provenance import deciding
 
 SPECS = [control_run(task="pick-place", agent="nothing", seed=seed, episodes=1) for seed in range(2)]
-FAKE = """
-import json, os, signal, sys
-from contextlib import suppress
-from pathlib import Path
-sys.path.insert(0, {root!r})
-from move.machine import end_with
-end_with(int(sys.argv[1]))
-for line in sys.stdin:
-    asked = json.loads(line)
-    seed, folder = json.loads(asked["spec"])["seed"], Path(asked["folder"])
-    with (folder / f"tries-{{seed}}").open("a") as tries:
-        tries.write(f"{{os.getpid()}}\\n")
-    if seed < len(open(folder / "deaths").read()) and len((folder / f"tries-{{seed}}").open().readlines()) <= int(
-            open(folder / "deaths").read()[seed]):
-        os.kill(os.getpid(), signal.SIGKILL)
-    print(json.dumps("no luck" if seed == 9 else None), flush=True)
-"""
 
 
-@pytest.fixture
-def fake(tmp_path, monkeypatch):
-    """A worker that imports nothing slow: run `seed` kills it as often as the file "deaths" says at that place."""
-    (tmp_path / "fake.py").write_text(FAKE.format(root=str(paths.ROOT)))
-    monkeypatch.setattr(processes, "COMMAND", [sys.executable, str(tmp_path / "fake.py")])
-    (tmp_path / "deaths").write_text("")
-    return tmp_path
+def test_a_killed_process_costs_its_run_alone_and_the_same_command_goes_on(tmp_path, monkeypatch):
+    started = processes.Processes._start
 
-
-def tries(folder: Path, seed: int) -> list[str]:
-    return (folder / f"tries-{seed}").read_text().split()
-
-
-def spec(seed: int):
-    return control_run(task="pick-place", agent="nothing", seed=seed)
-
-
-def test_a_run_whose_process_dies_is_tried_again_in_a_fresh_one(fake):
-    (fake / "deaths").write_text("2")
-    pool = Processes()
-    assert pool.compute(spec(0), fake) == spec(0).hash
-    assert pool.compute(spec(1), fake) == spec(1).hash
-    assert len(set(tries(fake, 0))) == 3 and tries(fake, 1) == tries(fake, 0)[2:]  # the last one goes on
-    pool.end()
-
-
-def test_after_three_deaths_it_has_failed_and_the_others_go_on(fake):
-    (fake / "deaths").write_text("090")
-    with execute.process_pool(1) as pool:
-        futures = [pool.submit(spec(seed), fake) for seed in (0, 1, 2, 9)]
-        errors = [future.exception(30) for future in futures]
-    assert [str(error) for error in errors] == [
-        "None", "its process died 3 times, the last time by SIGKILL", "None", "no luck"]
-    assert len(tries(fake, 1)) == 3
-
-
-def test_a_thread_has_a_process_of_its_own_and_no_other_thread_has_it(fake):
-    pool = Processes()
-    threads = [threading.Thread(target=lambda seed=seed: [pool.compute(spec(seed), fake) for _ in range(2)])
-               for seed in (0, 1)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    first, second = set(tries(fake, 0)), set(tries(fake, 1))
-    assert len(first) == len(second) == 1 and first != second
-    pool.end()
-    with pytest.raises(RunFailed, match="interrupted"):
-        pool.compute(spec(0), fake)
-
-
-def test_a_killed_worker_costs_nothing_and_an_honest_one_gives_what_this_process_gives(tmp_path, monkeypatch):
-    """The real worker, killed while it imports."""
-    started = processes._start
-
-    def start(number):
-        process = started(number)
-        if number == 0:
+    def start(pool, spec, *arguments):
+        process = started(pool, spec, *arguments)
+        if spec.seed == 0:
             threading.Timer(0.5, process.kill).start()
         return process
 
-    monkeypatch.setattr(processes, "_start", start)
+    monkeypatch.setattr(processes.Processes, "_start", start)
     there, missing = execute.execute(SPECS, tmp_path / "results", workers=1, quiet=True)
+    assert [result.spec for result in there] == SPECS[1:]
+    assert [(spec, why) for spec, why in missing] == [
+        (SPECS[0], "failed: its process died of SIGKILL; the same command goes on with it")]
+    monkeypatch.undo()
+    there, missing = execute.execute(SPECS, tmp_path / "results", workers=2, quiet=True)
     assert not missing
     assert [result.rows for result in there] == [run.run(spec, tmp_path / "here").rows for spec in SPECS]
+
+
+@pytest.mark.parametrize(("spec", "there", "problem"), [
+    (SPECS[0], {"source": "other"}, "its process has source .*: the source was changed meanwhile"),
+    (SPECS[0].model_copy(update={"results_version": 2}), {}, "results_version: 2 given"),
+])
+def test_what_goes_wrong_in_a_process_is_one_line_here(tmp_path, monkeypatch, spec, there, problem):
+    monkeypatch.setattr(processes, "deciding", lambda: deciding() | there)
+    with pytest.raises(RunFailed, match=problem) as failed:
+        Processes().compute(spec, tmp_path)
+    assert "\n" not in str(failed.value)
+
+
+def test_once_ended_no_process_is_started(tmp_path):
+    pool = Processes()
+    pool.end()
+    with pytest.raises(RunFailed, match="interrupted"):
+        pool.compute(SPECS[0], tmp_path)
 
 
 def test_two_runs_in_one_process_are_refused(tmp_path, monkeypatch):
@@ -135,17 +89,19 @@ def test_a_run_that_is_stored_is_not_computed_again(tmp_path, monkeypatch):
 # orphans -------------------------------------------------------------------------------------------------------------
 
 PARENT = """
-import os, subprocess, sys
-subprocess.run([*sys.argv[1:], str(os.getpid()), "0"])
+from pathlib import Path
+from move.study.kinds import control_run
+from move.study.processes import Processes
+Processes().compute(control_run(task="pick-place", agent="expert", episodes=99), Path("results"))
 """
 
 
 @pytest.mark.parametrize("seconds", [0.0, 0.1, 0.5, 2.0])
-def test_no_process_outlives_the_one_that_started_it(seconds):
-    """Killed so many seconds after the real worker began: before, while and after that imports what is slow."""
-    parent = psutil.Popen([sys.executable, "-c", PARENT, *processes.COMMAND], stdin=subprocess.PIPE,
-                          env={**os.environ, "PYTHONPATH": str(paths.ROOT)})  # whose input does not end
-    while not (workers := parent.children()):
+def test_no_process_outlives_the_one_that_started_it(tmp_path, seconds):
+    """Killed so many seconds after the process of a run began: before, while and after that imports what is slow."""
+    parent = psutil.Popen([sys.executable, "-c", PARENT], cwd=tmp_path,
+                          env={**os.environ, "PYTHONPATH": str(paths.ROOT), "MOVE_ROOT": str(tmp_path)})
+    while len(workers := parent.children()) < 2:  # one of them is multiprocessing's own
         time.sleep(0.001)
     time.sleep(seconds)
     parent.kill()
@@ -163,7 +119,7 @@ def test_notebook_kernel_and_workers_end_with_the_command_that_draws_a_figure(tm
 
     def computes() -> bool:
         with suppress(psutil.Error):  # one of them may end while it is asked
-            return any("move.study.worker" in child.cmdline() for child in command.children(recursive=True))
+            return any("--multiprocessing-fork" in child.cmdline() for child in command.children(recursive=True))
         return False
 
     while not computes():

@@ -55,21 +55,21 @@ def test_only_a_command_with_the_profiles_own_parameters_writes_what_is_shipped(
     own = changes.own_parameters(name, LAPTOP)
     given = {**defaults(name), **LAPTOP.parameters(name)}
     assert json.dumps(own, sort_keys=True) == json.dumps(given, sort_keys=True)
-    assert changes.change(name, LAPTOP, given).folder == paths.figures(LAPTOP)
+    assert changes.change(name, LAPTOP, given).folder == LAPTOP.figures
     places = {changes.change(name, LAPTOP, given | {key: "another"}).folder for key in given}
     assert len(places) == len(given)
     assert all(place.parent == paths.BUILD / "figures" and place.name.startswith(f"{name}-") for place in places)
     monkeypatch.setattr(changes, "get_ipython", lambda: SimpleNamespace(user_ns=given))  # in a browser
     assert changes.change(name, LAPTOP).folder == paths.BUILD / "figures" / "laptop"
     monkeypatch.setenv(changes.BY_COMMAND, "1")
-    assert changes.change(name, LAPTOP).folder == paths.figures(LAPTOP)
+    assert changes.change(name, LAPTOP).folder == LAPTOP.figures
 
 
 def test_other_runs_under_the_same_parameters_are_a_change_too():
     asked = parameters.specs("fig1_sparse", LAPTOP)
     assert not changes.change("fig1_sparse", LAPTOP, {}, asked)
     fewer = changes.change("fig1_sparse", LAPTOP, {}, asked[:-1])
-    assert fewer and fewer.folder not in (paths.figures(LAPTOP), changes.change("fig1_sparse", LAPTOP, {}, asked[1:]))
+    assert fewer and fewer.folder not in (LAPTOP.figures, changes.change("fig1_sparse", LAPTOP, {}, asked[1:]))
     assert "other runs" in str(fewer)
 
 
@@ -97,8 +97,9 @@ def test_what_is_shipped_is_read_and_what_is_new_is_stored_elsewhere(tmp_path, m
     asked = fig1_sparse.runs(LAPTOP, "keypoints", timesteps=1500, seeds=2, identical_starts=0)
     rows = [{"trial": 0, "group": "grid", "success": True, "steps": 3}]
     results = [Result(run.spec, rows, None, None, {"train": 1.0}, {}) for run in asked]
-    store(results[0], paths.results(LAPTOP))
-    monkeypatch.setattr("move.study.results.refuse_other_content", lambda content, spec: None)  # these are toys
+    store(results[0], LAPTOP.results)
+    toys = {result.spec.hash: result for result in results}
+    monkeypatch.setattr("move.study.results.read", lambda path: toys[path.stem])  # whose files would be refused
     computed = []
 
     def compute(specs, folder):

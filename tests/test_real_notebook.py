@@ -22,7 +22,7 @@ PARAMETERS = ("profile", "data", "revision", "episodes", "size_cap_gb", "units_f
 
 def run(tmp_path: Path, monkeypatch, **changes: object) -> dict:
     """Its cells with other parameters, one after the other in this process; what they made is below `tmp_path`."""
-    monkeypatch.setattr(paths, "figures", lambda profile: tmp_path / profile.name)
+    monkeypatch.setattr(Profile, "figures", property(lambda profile: tmp_path / profile.name))
     monkeypatch.setattr(paths, "REALWORLD", tmp_path / "realworld")
     space = cells.execute(NAME, **changes)
     assert set(PARAMETERS) <= set(space)

@@ -99,7 +99,7 @@ def test_a_parameter_that_the_notebook_does_not_have_starts_no_kernel(start):
 
 
 def test_the_runs_that_are_watched_are_those_without_a_result_each_once(tmp_path, monkeypatch):
-    monkeypatch.setattr(paths, "results", lambda profile: tmp_path)
+    monkeypatch.setattr(Profile, "results", property(lambda profile: tmp_path))
     name, change = "table1_spatial_factors", {"seeds": 2, "profile": "smoke"}
     wanted = list(dict.fromkeys(spec.hash for spec in parameters.specs(name, SMOKE, {"seeds": 2})))
     assert notebooks._missing(name, SMOKE, change) == wanted and len(wanted) > len(notebooks._missing(name, SMOKE, {}))

@@ -12,13 +12,13 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from move import paper, paths
+from move import paper
 from move.figures.page import captions, parameters
 from move.study.profiles import load_profile
 
 LAPTOP = load_profile("laptop")
-SHIPPED = paths.figures(LAPTOP)
-STORED = paths.results(LAPTOP)
+SHIPPED = LAPTOP.figures
+STORED = LAPTOP.results
 ROUNDED = 1e-4  # of a number in a CSV file
 TRIPLE = re.compile(r"([+-]\d+)(?: points)? \[([+-]\d+), ([+-]\d+)\]"
                     r"(, above 0|, below 0|, not distinguishable from 0)?")

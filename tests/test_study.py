@@ -28,7 +28,7 @@ from move.sim.tasks import get_task
 from move.sim.tasks.task import EPISODE_STEPS
 from move.study import execute, policies, profiles, results, run
 from move.study.plan import TRIAL_MINUTES, plan_rows
-from move.study.profiles import load_profile
+from move.study.profiles import Profile, load_profile
 from move.study.spec import PolicyRun, run_spec_from_json
 
 TASK = get_task("pick-place")
@@ -193,7 +193,7 @@ class Here:
 
 @pytest.fixture
 def in_this_process(monkeypatch):
-    monkeypatch.setattr(execute, "process_pool", lambda workers: Here())
+    monkeypatch.setattr(execute, "ProcessPool", lambda workers: Here())
 
 
 def test_only_what_is_missing_is_computed(tmp_path, in_this_process, monkeypatch):
@@ -364,7 +364,7 @@ def table_2_from_pixels(profile, seeds):
 
 
 def test_the_plan_counts_a_shared_training_once(tmp_path, monkeypatch):
-    monkeypatch.setattr("move.study.plan.results", lambda profile: tmp_path)
+    monkeypatch.setattr(Profile, "results", property(lambda profile: tmp_path))
     profile = load_profile("laptop")
     table_2 = table_2_from_pixels(profile, seeds=1)
     gap = [run.spec for run in generalization.runs(profile)]
@@ -600,7 +600,7 @@ def test_a_profile_leaves_the_notebooks_out_that_have_nothing_to_show_in_it():
 def test_a_shipped_policy_is_the_one_that_was_evaluated(stored, tmp_path, monkeypatch):
     result, _ = stored
     monkeypatch.setattr(policies.paths, "RUNS", tmp_path / "runs")
-    monkeypatch.setattr(policies.paths, "results", lambda profile: tmp_path / profile.name)
+    monkeypatch.setattr(Profile, "results", property(lambda profile: tmp_path / profile.name))
     policies.ship(result.spec, load_profile("laptop"))
     monkeypatch.setattr(policies.paths, "RUNS", tmp_path / "nothing")
     policy = policies.trained_policy(result.spec, load_profile("laptop"))

@@ -8,13 +8,12 @@ import re
 import pytest
 import recipes
 
-from move import paths
 from move.errors import BadInput
 from move.learn.evaluation import Evaluation
 from move.sim.collect import Collection
 from move.study import execute, plan, results, run, stored, verify
 from move.study.labels import LabelledRun
-from move.study.profiles import load_profile
+from move.study.profiles import Profile, load_profile
 from move.study.spec import PolicyRun
 
 TINY = recipes.keypoints(gradient_steps=3, warmup_steps=1, batch_size=8)
@@ -148,8 +147,7 @@ TAMPERED = [  # what is done, the reason that is told, None where the file stays
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
     """A results folder of the profile, and build/ elsewhere."""
-    for module in (paths, plan, page.paths):
-        monkeypatch.setattr(module, "results", lambda profile: tmp_path / "results")
+    monkeypatch.setattr(Profile, "results", property(lambda profile: tmp_path / "results"))
     monkeypatch.setattr(run, "RUNS", tmp_path / "runs")
     (tmp_path / "results").mkdir()
     return tmp_path / "results"
@@ -198,7 +196,7 @@ def test_verify_has_a_row_for_an_unusable_file(honest, folder, monkeypatch):
 def test_run_sets_a_bad_file_aside_and_computes_anew(honest, folder, change, monkeypatch, capfd):
     from test_study import Here
 
-    monkeypatch.setattr(execute, "process_pool", lambda workers: Here())
+    monkeypatch.setattr(execute, "ProcessPool", lambda workers: Here())
     path = tamper(change, honest, folder)
     path.with_suffix(".bad").write_text("an older one")
     there, missing = execute.execute([spec(0), spec(1)], folder, quiet=True)

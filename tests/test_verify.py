@@ -8,11 +8,11 @@ import pytest
 import recipes
 import typer.testing
 
-from move import cli, paths
+from move import cli
 from move.learn.evaluation import Evaluation
 from move.sim.collect import Collection
 from move.study import results, run, verify
-from move.study.profiles import load_profile
+from move.study.profiles import Profile, load_profile
 from move.study.spec import PolicyRun
 
 TINY = recipes.keypoints(gradient_steps=3, warmup_steps=1, batch_size=8)
@@ -91,7 +91,7 @@ def test_a_sample_holds_a_run_from_pixels_and_none_twice(honest):
 def tampered(honest, tmp_path, monkeypatch):
     rows = [{**row, "steps": 1} for row in honest.rows]
     results.store(dataclasses.replace(honest, rows=rows), tmp_path)
-    monkeypatch.setattr(paths, "results", lambda profile: tmp_path)
+    monkeypatch.setattr(Profile, "results", property(lambda profile: tmp_path))
     monkeypatch.setattr(cli.study, "chosen_specs", lambda profile, figures: {"figure": [honest.spec]})
     return next(tmp_path.glob("*.json"))
 
@@ -111,5 +111,5 @@ def test_checking_every_file_ends_with_exit_code_1_at_a_damaged_one(tampered):
 
 def test_all_shipped_results_fit_their_digests_and_their_names():
     for profile in ("laptop",):
-        rows = verify.check_files(paths.results(load_profile(profile)))
+        rows = verify.check_files(load_profile(profile).results)
         assert len(rows) > 60 and [row for row in rows if not row["same"]] == []

@@ -33,7 +33,6 @@ from move.learn.evaluation import Evaluation  # noqa: E402
 from move.learn.train import train  # noqa: E402
 from move.machine import gl_problem, gl_renderer, keep_freed_memory, peak_memory_mb, processor  # noqa: E402
 from move.paper import PAPER_METHODS  # noqa: E402
-from move.paths import figures  # noqa: E402
 from move.sim.collect import Collection, attempts, collect  # noqa: E402
 from move.sim.scene.scene import Scene  # noqa: E402
 from move.sim.tasks import get_task  # noqa: E402
@@ -194,7 +193,7 @@ def main() -> None:
     lines = [f"Measured by `make bench` on {where}.", "", *(f"| {' | '.join(row)} |" for row in
              (header, ("---",) * len(header), *rows))]
     if not sys.argv[1:]:
-        (figures(load_profile("laptop")) / "bench.md").write_text("\n".join(lines) + "\n")
+        (load_profile("laptop").figures / "bench.md").write_text("\n".join(lines) + "\n")
 
 
 if __name__ == "__main__":

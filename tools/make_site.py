@@ -34,7 +34,7 @@ from move.study.results import Result, split
 
 PROFILE = load_profile("laptop")
 SITE, SOURCE, DOCS = paths.BUILD / "site", paths.BUILD / "site-source", paths.ROOT / "docs"
-SHIPPED, TUTORIAL = paths.figures(PROFILE), paths.NOTEBOOKS / "tutorial"
+SHIPPED, TUTORIAL = PROFILE.figures, paths.NOTEBOOKS / "tutorial"
 REPOSITORY_PAGES = {"deviations": "KNOWN_DEVIATIONS.md", "security": "SECURITY.md"}
 ORDER = ("claims", "fig", "table", "generalization", "keypoint")  # beginnings of names; the others follow
 CELL_SECONDS = 600  # no cell takes so long; without it one whose reply was lost is waited for forever
@@ -207,7 +207,7 @@ def provenance(name: str) -> str:
     """Every stored run of a figure: what it is, its result's name, where and how long it was computed."""
     if name not in parameters.with_runs():
         return ""
-    there, missing = split(parameters.specs(name, PROFILE), paths.results(PROFILE))
+    there, missing = split(parameters.specs(name, PROFILE), PROFILE.results)
     head = "".join(f"<th>{title}</th>" for title in ("run", "hash", "success", "seconds", "processor", "commit"))
     rows = "".join(f"<tr>{''.join(f'<td>{cell}</td>' for cell in provenance_row(result))}</tr>" for result in there)
     lacking = f" {len(missing)} more are not computed yet." if missing else ""

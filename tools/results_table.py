@@ -57,7 +57,7 @@ def with_results(text: str) -> str:
 
 
 def _read(name: str) -> pd.DataFrame:
-    return pd.read_csv(paths.figures(load_profile("laptop")) / f"{name}.csv")
+    return pd.read_csv(load_profile("laptop").figures / f"{name}.csv")
 
 
 def _seeds(rates: object) -> int:

@@ -14,7 +14,6 @@ import pandas as pd
 from move.claims.claims import Quantity, Where
 from move.figures.page.noise import known_noise
 from move.figures.page.parameters import runs
-from move.paths import results
 from move.sim.grasp_points import CIRCLE
 from move.statistics.estimates import Estimate, TrainingNoise
 from move.statistics.needed import Design
@@ -84,7 +83,7 @@ class Evidence:
 
     def _read(self, experiment: str) -> dict[str, Result]:
         specs = [run.spec for run in runs(experiment, self.profile)]
-        return {result.spec.hash: result for result in split(specs, results(self.profile))[0]}
+        return {result.spec.hash: result for result in split(specs, self.profile.results)[0]}
 
     def _episodes(self, experiment: str) -> pd.DataFrame:
         stored = self._stored(experiment)

@@ -232,11 +232,10 @@ def compare(
     as_json: Json = False,
 ) -> None:
     """Compare two evaluations at the same configurations: the paired difference, its 95 % interval and test."""
-    from move import paths
     from move.study import compare as comparing
     from move.study.profiles import load_profile
 
     chosen = load_profile(profile)
-    folders = [paths.results(chosen), paths.own_results(chosen)]
+    folders = [chosen.results, chosen.own_results]
     found = comparing.compare(*(comparing.read_evaluation(given, folders) for given in (first, second)))
     show(found.content(), True, "") if as_json else typer.echo(str(found))

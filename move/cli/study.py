@@ -84,7 +84,7 @@ def run(
     chosen, names = _asked(profile, figures)
     if results == "":
         raise BadInput("results: '' given; allowed is a folder's name")
-    folder = Path(results) if results else paths.results(chosen)
+    folder = Path(results) if results else chosen.results
     refuse_unwritable(folder / "result.json")
     if cluster is not None and not SCHEDULER.fullmatch(cluster):
         raise BadInput(f"cluster: {cluster[:60]!r} given; allowed is an address such as tcp://host:8786")
@@ -135,14 +135,14 @@ def verify(
     from move.study import verify as verifying
 
     if every:
-        rows = verifying.check_files(paths.results(chosen))
+        rows = verifying.check_files(chosen.results)
         shown = [row for row in rows if not row["same"]] or [{"files": len(rows), "same": "all"}]
         show(rows if as_json else shown, as_json, "Checked")
     else:
         seed = int(np.random.SeedSequence().generate_state(1)[0]) if seed is None else seed
         specs = [spec for listed in chosen_specs(chosen, names).values() for spec in listed]
         with progress(f"verify --seed {seed}") as report:
-            rows = verifying.verify(specs, paths.results(chosen), sample, np.random.default_rng(seed), report)
+            rows = verifying.verify(specs, chosen.results, sample, np.random.default_rng(seed), report)
         typer.echo(f"verify: --seed {seed} draws this sample again", err=True)
         show(rows, as_json, "Recomputed")
     if not all(row["same"] for row in rows):
@@ -161,7 +161,7 @@ def figure(
     """Execute notebooks, which run what is missing and write their figures and tables."""
     chosen, names = _asked(profile, figures)
     changes = _changes(parameter, names)
-    for place in (paths.figures(chosen), paths.BUILD / "notebooks" / profile):
+    for place in (chosen.figures, paths.BUILD / "notebooks" / profile):
         refuse_unwritable(place / "figure.png")
     from move.figures.page import kernels
     from move.figures.page.changes import change

@@ -11,7 +11,6 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from move import paths
 from move.figures.page.captions import Words, listed
 from move.figures.page.data import Data
 from move.figures.page.make import steps
@@ -106,7 +105,7 @@ def answer(tables: dict[str, pd.DataFrame], data: Data, *, episodes: int) -> str
         f"**The paper** shows no failures. **Here:** {len(table)} episodes, drawn and not picked; {same} of them ended "
         f"in the evaluation as they do here. {lacking}Over all {episodes} episodes the policies succeed in: {rates}. "
         f"**How sure:** two episodes a method show how, not how often. {data.behind} The films are in "
-        f"{paths.figures(data.profile).name}/.")
+        f"{data.profile.figures.name}/.")
 
 
 WORDS = Words(

@@ -10,7 +10,7 @@ import hashlib
 import os
 import re
 from collections.abc import Iterator
-from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, ThreadPoolExecutor, wait
+from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Protocol
@@ -34,7 +34,7 @@ from move.files import HOST, put_away_all_remains, refuse_unwritable
 from move.machine import default_workers
 from move.paths import RUNS
 from move.study.cluster import GONE, UnfitWorker, dask_cluster
-from move.study.processes import Processes, RunFailed
+from move.study.processes import ProcessPool, RunFailed
 from move.study.provenance import deciding
 from move.study.results import NOT_COMPUTED, Result, set_aside, split
 from move.study.spec import RunSpec
@@ -50,32 +50,6 @@ class Pool(Protocol):
 
     def trouble(self) -> str:
         """What keeps all runs waiting, in a few words; empty if nothing does."""
-
-
-class LocalPool:
-    """Processes of this machine, each of them started and waited for by a thread."""
-
-    def __init__(self, workers: int) -> None:
-        self.processes, self.threads = Processes(), ThreadPoolExecutor(workers)
-
-    def submit(self, spec: RunSpec, folder: Path) -> Future:
-        """Compute and store a run as soon as a process is free."""
-        return self.threads.submit(self.processes.compute, spec, folder)
-
-    def trouble(self) -> str:
-        """Nothing: a process that dies is started again."""
-        return ""
-
-
-@contextmanager
-def process_pool(workers: int) -> Iterator[Pool]:
-    """So many processes of this machine, which end with the block, whatever they do."""
-    pool = LocalPool(workers)
-    try:
-        yield pool
-    finally:
-        pool.processes.end()
-        pool.threads.shutdown(cancel_futures=True)
 
 
 def execute(
@@ -95,7 +69,7 @@ def execute(
         put_away_all_remains(folder)
         todo = list({spec.hash: spec for spec, _ in missing}.values())
         local = min(len(todo), workers or default_workers())
-        with only_alike(folder), dask_cluster(cluster, folder) if cluster else process_pool(local) as pool:
+        with only_alike(folder), dask_cluster(cluster, folder) if cluster else ProcessPool(local) as pool:
             failed = _run_all(pool, missing, folder, quiet)
         there, missing = split(specs, folder)
         return there, [(spec, failed.get(spec.hash, why)) for spec, why in missing]

@@ -10,7 +10,6 @@ import numpy as np
 
 from move.learn.settings import Training
 from move.machine import accelerator, best_device, processor
-from move.paths import results
 from move.sim.demonstrations import Demonstrations
 from move.study.profiles import Profile
 from move.study.results import NOT_COMPUTED, Result, split
@@ -33,7 +32,7 @@ def plan_rows(profile: Profile, figures: dict[str, list[RunSpec]]) -> list[dict[
     policies: set[str] = set()
     minutes: dict[str, float] = {seen: minutes for seen, minutes in profile.minutes.items()}
     for figure, specs in figures.items():
-        there, missing = split(specs, results(profile))
+        there, missing = split(specs, profile.results)
         todo = {spec.hash: spec for spec, _ in missing if spec.hash not in runs}
         hours = 0.0
         for spec in todo.values():

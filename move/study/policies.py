@@ -32,7 +32,7 @@ EPISODES = "episodes.safetensors"  # beside a shipped policy: what it did in som
 
 
 def _shipped(spec: RunSpec, profile: Profile) -> Path:
-    return paths.results(profile) / "policies" / spec.policy_hash
+    return profile.results / "policies" / spec.policy_hash
 
 
 def _trained_here(spec: RunSpec) -> Path:
@@ -53,7 +53,7 @@ def trained_policy(spec: RunSpec, profile: Profile) -> DiffusionPolicy:
     for folder in (_shipped(spec, profile), _trained_here(spec)):
         if (folder / "run.json").exists():
             return _sealed_policy(spec, folder)
-    raise BadInput(f"{spec.label}: its policy is not shipped; delete {paths.results(profile) / spec.hash}.json and "
+    raise BadInput(f"{spec.label}: its policy is not shipped; delete {profile.results / spec.hash}.json and "
                    "give `move run` again to train it here")
 
 
@@ -63,7 +63,7 @@ def of_run(name: str, profile: Profile) -> tuple[PolicyRun, DiffusionPolicy]:
     Raises:
         BadInput: no such run, one without a policy, or one whose weights are not there.
     """
-    spec = find(name, [paths.results(profile), paths.own_results(profile)]).spec
+    spec = find(name, [profile.results, profile.own_results]).spec
     if not isinstance(spec, PolicyRun):
         raise BadInput(f"run: {name} given, a {spec.kind}; allowed are runs that trained a policy")
     return spec, trained_policy(spec, profile)

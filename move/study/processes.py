@@ -1,27 +1,27 @@
-"""Runs in processes of their own, so that one which dies costs its run alone, and two never share a simulator.
+"""Each run in a process of its own, which ends with it and with this one.
 
-MuJoCo's model and the GL context are one a process, and a context belongs to one thread. So each thread that asks for
-runs has a Python process (`worker.py`), which computes them one after another, and which ends with this one.
+MuJoCo's model and the GL context are one a process, and neither gives its memory back; a run that dies costs itself
+alone. A process is spawned, not forked, for GL and CUDA do not live on in a fork.
 """
 
 from __future__ import annotations
 
-import json
 import os
 import signal
-import subprocess
-import sys
 import threading
+from concurrent.futures import Future, ThreadPoolExecutor
 from itertools import count
+from multiprocessing import get_context
+from multiprocessing.connection import Connection
+from multiprocessing.process import BaseProcess
 from pathlib import Path
 
-import move
-from move.machine import THREAD_VARIABLES
-from move.study.provenance import deciding
+from move.errors import BadInput
+from move.machine import end_with, one_thread_in_children
+from move.study.provenance import deciding, difference
 from move.study.spec import RunSpec
 
-TRIES = 3  # of a run whose process dies
-COMMAND = [sys.executable, "-m", "move.study.worker"]
+SPAWN = get_context("spawn")
 
 
 class RunFailed(RuntimeError):
@@ -29,32 +29,44 @@ class RunFailed(RuntimeError):
 
 
 class Processes:
-    """The processes of the threads that ask: one each, started when it is needed and again when it died."""
+    """The processes under way, each with the number by which it chooses its GPU."""
 
     def __init__(self) -> None:
-        self._mine = threading.local()
-        self._lock = threading.Lock()
-        self._numbers = count()
-        self._running: set[subprocess.Popen[str]] = set()
-        self._ended = False
+        self._lock, self._ended = threading.Lock(), False
+        self._running: dict[BaseProcess, int] = {}
 
     def compute(self, spec: RunSpec, folder: Path) -> str:
-        """Compute and store a run in this thread's process, wait for it, and return its hash.
+        """Compute and store a run in a process of its own, wait for it, and return its hash.
 
         Raises:
-            RunFailed: the run failed, its process died three times, or `end` was called.
+            RunFailed: the run failed, its process died, or `end` was called.
         """
-        for _ in range(TRIES):
-            process = self._own_process()
-            answer = _ask(process, json.dumps({"spec": spec.model_dump_json(), "folder": str(folder),
-                                               "there": deciding()}))
-            if answer is None:
-                self._forget(process)
-                continue
-            if problem := json.loads(answer):
-                raise RunFailed(problem)
-            return spec.hash
-        raise RunFailed(f"its process died {TRIES} times, the last time by {_cause(process)}")
+        answer, asked = SPAWN.Pipe(duplex=False)
+        process = self._start(spec, folder, asked)
+        asked.close()
+        try:
+            problem = answer.recv()
+        except EOFError:  # it died
+            process.join()
+            problem = f"its process died of {_cause(process.exitcode or 0)}; the same command goes on with it"
+        process.join()
+        with self._lock:
+            del self._running[process]
+        if problem:
+            raise RunFailed(problem)
+        return spec.hash
+
+    def _start(self, spec: RunSpec, folder: Path, asked: Connection) -> BaseProcess:
+        one_thread_in_children()
+        with self._lock:
+            if self._ended:
+                raise RunFailed("interrupted")
+            number = next(free for free in count() if free not in self._running.values())
+            process = SPAWN.Process(target=_compute, args=(os.getpid(), number, asked, spec, folder, deciding()),
+                                    daemon=True)
+            process.start()
+            self._running[process] = number
+            return process
 
     def end(self) -> None:
         """Kill all of them, whatever they do, and start no more."""
@@ -63,44 +75,53 @@ class Processes:
             for process in self._running:
                 process.kill()
 
-    def _own_process(self) -> subprocess.Popen[str]:
-        with self._lock:
-            if self._ended:
-                raise RunFailed("interrupted")
-            process = getattr(self._mine, "process", None)
-            if process is None or process.poll() is not None:
-                process = self._mine.process = _start(next(self._numbers))
-                self._running.add(process)
-            return process
 
-    def _forget(self, process: subprocess.Popen[str]) -> None:
-        process.kill()
-        process.wait()
-        with self._lock:
-            self._running.discard(process)
-
-
-def _start(number: int) -> subprocess.Popen[str]:
-    """A new process in a group of its own, which Ctrl-C in a terminal does not reach; one thread, this same package."""
-    package = str(Path(move.__file__).parent.parent)
-    paths = [package, os.environ.get("PYTHONPATH", "")]
-    environment = {**dict.fromkeys(THREAD_VARIABLES, "1"), **os.environ,
-                   "PYTHONPATH": os.pathsep.join(filter(None, paths))}
-    return subprocess.Popen([*COMMAND, str(os.getpid()), str(number)], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
-                            text=True, env=environment, process_group=0)
-
-
-def _ask(process: subprocess.Popen[str], request: str) -> str | None:
-    """The process's answer; None if it died."""
-    assert process.stdin and process.stdout  # both are pipes
-    try:
-        process.stdin.write(request + "\n")
-        process.stdin.flush()
-        return process.stdout.readline() or None
-    except OSError:
-        return None
-
-
-def _cause(process: subprocess.Popen[str]) -> str:
-    code = process.returncode
+def _cause(code: int) -> str:
     return signal.Signals(-code).name if code < 0 else f"exit code {code}"
+
+
+def _compute(parent: int, number: int, answer: Connection, spec: RunSpec, folder: Path, there: dict[str, str]) -> None:
+    """In the process of a run: compute it, and answer with one line on what went wrong, or nothing.
+
+    Args:
+        there: what decides results where the run is asked for.
+    """
+    end_with(parent)
+    os.dup2(2, 1)  # what libraries print is not the command's answer
+    try:
+        if differing := difference(there):
+            raise RunFailed(f"its process has {differing}: the source was changed meanwhile")
+        import torch
+
+        from move.study.run import run_and_report
+
+        if gpus := torch.cuda.device_count():
+            torch.cuda.set_device(number % gpus)
+        run_and_report(spec, folder)
+    except Exception as error:  # whatever it is, the others go on
+        name = "" if isinstance(error, (BadInput, RunFailed)) else f"{type(error).__name__}: "
+        answer.send(f"{name}{' '.join(str(error).split())[:200]}")
+    else:
+        answer.send("")
+
+
+class ProcessPool:
+    """So many runs at a time, each waited for by a thread."""
+
+    def __init__(self, workers: int) -> None:
+        self.processes, self.threads = Processes(), ThreadPoolExecutor(workers)
+
+    def submit(self, spec: RunSpec, folder: Path) -> Future[str]:
+        """Compute and store a run as soon as a thread is free."""
+        return self.threads.submit(self.processes.compute, spec, folder)
+
+    def trouble(self) -> str:
+        """Nothing keeps all runs waiting."""
+        return ""
+
+    def __enter__(self) -> ProcessPool:
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self.processes.end()
+        self.threads.shutdown(cancel_futures=True)

@@ -9,7 +9,7 @@ from typing import Annotated, Any, Self
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
-from move import yaml_text
+from move import paths, yaml_text
 from move.errors import BadInput
 from move.learn.settings import Training
 from move.machine import gl_problem
@@ -104,6 +104,21 @@ class Profile(BaseModel):
         if IN_CHECKOUT and (unknown := sorted(set(changed) - set(known))):
             raise ValueError(f"no notebook {', '.join(unknown)}; allowed are {', '.join(known)}")
         return changed
+
+    @property
+    def results(self) -> Path:
+        """Where its results are: one JSON file a run. Those of a stamped profile prove nothing and stay out of git."""
+        return (paths.BUILD if self.stamp else paths.ROOT) / "results" / (self.shares_results or self.name)
+
+    @property
+    def own_results(self) -> Path:
+        """Where notebooks store the runs that they compute, so that what is shipped stays as it is."""
+        return paths.BUILD / "results" / self.results.name
+
+    @property
+    def figures(self) -> Path:
+        """Where its figures and tables go; the shipped ones are in git."""
+        return paths.ROOT / "paper_figures" if self.shipped else paths.own_figures(self.name)
 
     def parameters(self, notebook: str) -> dict[str, Any]:
         """What this profile changes in `notebook`."""

@@ -17,7 +17,6 @@ from IPython.display import Markdown, display
 from matplotlib.axes import Axes
 from torch import Tensor
 
-from move import paths
 from move.figures.page.parameters import runs as runs_of
 from move.figures.plots.style import COLOURS, NAMES
 from move.learn.dataset import window_indices
@@ -147,7 +146,7 @@ def stored(figure: str, profile: str) -> pd.DataFrame:
     """The episodes of a figure's stored runs, one row each; nothing is computed."""
     chosen = load_profile(profile)
     runs = {run.spec.hash: run for run in runs_of(figure, chosen)}
-    there, _ = results.split([run.spec for run in runs.values()], paths.results(chosen))
+    there, _ = results.split([run.spec for run in runs.values()], chosen.results)
     return results.table(there)
 
 

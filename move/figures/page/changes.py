@@ -42,7 +42,7 @@ class Change:
     def folder(self) -> Path:
         """Where the figures and tables go."""
         if not self:
-            return paths.figures(self.profile) if by_command() else paths.own_figures(self.profile.name)
+            return self.profile.figures if by_command() else paths.own_figures(self.profile.name)
         chosen = {name: value for name, (value, _) in self.parameters.items()}
         told = json.dumps([self.profile.name, chosen], sort_keys=True)
         return paths.own_figures(f"{self.figure}-{hashlib.sha256(told.encode()).hexdigest()[:8]}")

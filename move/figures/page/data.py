@@ -10,7 +10,6 @@ from typing import Any
 
 import pandas as pd
 
-from move import paths
 from move.errors import BadInput
 from move.figures.page import captions
 from move.figures.page.noise import known_noise
@@ -101,9 +100,9 @@ def load_or_run(runs: list[LabelledRun], profile: Profile, folder: Path) -> Data
 
 def _found(specs: list[RunSpec], profile: Profile) -> tuple[list[Result], list[tuple[RunSpec, str]]]:
     """What is there of `specs`, shipped or a reader's own, computed where allowed; and what is missing, with why."""
-    shipped, lacking = split(specs, paths.results(profile))
+    shipped, lacking = split(specs, profile.results)
     unusable = {spec.hash: why for spec, why in lacking if why != NOT_COMPUTED}
     stored_only = os.environ.get("MOVE_STORED_ONLY") == "1"
-    own, missing = (split if stored_only else execute)([spec for spec, _ in lacking], paths.own_results(profile))
+    own, missing = (split if stored_only else execute)([spec for spec, _ in lacking], profile.own_results)
     return shipped + own, [(spec, unusable.get(spec.hash, why) if why == NOT_COMPUTED else why)
                            for spec, why in missing]

@@ -201,7 +201,7 @@ def _useful(kind: str, message: str) -> str:
 
 def missing_runs(name: str, profile: Profile, changes: dict[str, Any] | None) -> list[str]:
     """The hashes of a figure's runs of which no result is stored."""
-    folder = paths.results(profile)
+    folder = profile.results
     found = dict.fromkeys(spec.hash for spec in specs(name, profile, changes))
     return [run for run in found if not (folder / f"{run}.json").exists()]
 

@@ -8,7 +8,6 @@ import numpy as np
 
 from move.figures import load, names
 from move.figures.page.parameters import runs
-from move.paths import results
 from move.statistics.cells import successes
 from move.statistics.estimates import TrainingNoise, training_noise_of
 from move.study.profiles import Profile
@@ -35,7 +34,7 @@ def _cells(profile: Profile, observation: str, grid: bool) -> Iterator[np.ndarra
              if run.spec.training and run.spec.observation == observation
              and (run.spec.evaluation.starts == "grid") == grid}
     seeds: dict[str, list] = {}
-    for result in split(sorted(specs, key=lambda spec: spec.hash), results(profile))[0]:
+    for result in split(sorted(specs, key=lambda spec: spec.hash), profile.results)[0]:
         seeds.setdefault(result.spec.model_copy(update={"seed": 0}).hash, []).append(result)
     for repeated in seeds.values():
         if len(repeated) > 1:
