@@ -9,6 +9,8 @@ from pathlib import Path
 
 import h5py
 import hostile
+import numcodecs
+import numpy as np
 import pytest
 import real_writers as w
 
@@ -56,6 +58,28 @@ def test_a_hostile_data_set_is_refused_by_name(tmp_path, name):
 def test_hostile_demonstrations_are_refused_by_name(tmp_path, name):
     word, write = hostile.STORED[name]
     refused(train_reads, write(tmp_path / "set"), word)
+
+
+class Opens:
+    """Makes a file when it is unpickled."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = str(path)
+
+    def __reduce__(self):
+        return open, (self.path, "w")
+
+
+@pytest.mark.parametrize("how", [{"dtype": "|O"}, {}], ids=["of objects", "of numbers"])
+@pytest.mark.parametrize("read", [read_all, train_reads])
+def test_no_pickle_runs(tmp_path, monkeypatch, read, how):
+    monkeypatch.setattr(numcodecs.pickles, "ALLOW_UNSAFE_PICKLE_DECODE", True)  # as somebody's environment may say
+    pickled = numcodecs.Pickle().encode(np.array([Opens(tmp_path / "ran")], dtype=object))
+    codecs = {"filters": [{"id": "pickle", "protocol": 5}], "compressor": None}
+    refused(read, hostile.chunk(pickled, **codecs, **how)(tmp_path / "set"), "pickle")
+    assert not (tmp_path / "ran").exists()
+    numcodecs.Pickle().decode(pickled)
+    assert (tmp_path / "ran").exists(), "it would have run"
 
 
 def test_their_good_neighbours_are_read(tmp_path):

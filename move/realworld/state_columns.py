@@ -44,9 +44,10 @@ def flat_names(names: object) -> list[str]:
         names = list(names.values()) if all(isinstance(v, list) for v in names.values()) else list(names)
     if not isinstance(names, list | tuple):
         return []
-    return [
-        leaf for name in names for leaf in (flat_names(name) if isinstance(name, list | tuple | dict) else [str(name)])
-    ]
+    flat: list[str] = []
+    for name in names:
+        flat += flat_names(name) if isinstance(name, list | tuple | dict) else [str(name)]
+    return flat
 
 
 def split_columns(names: Sequence[str], width: int, *, piper_order: bool = True

@@ -63,10 +63,10 @@ def inside(root: Path, name: str) -> Path:
     Raises:
         BadInput: the name would leave `root`, or leads through a hidden folder.
     """
-    if is_hidden(str(name)) and ".." not in PurePosixPath(name).parts:
-        raise BadInput(f"file name {str(name)[:80]!r} in {root} leads through a hidden folder, which is no part of a "
-                       "data set")
-    return root / safe_name(str(name), str(root))
+    path = root / safe_name(name, str(root))
+    if is_hidden(name):
+        raise BadInput(f"file name {name[:80]!r} in {root} leads through a hidden folder, no part of a data set")
+    return path
 
 
 def fill_template(template: str, values: Mapping[str, int | str], where: str) -> str:

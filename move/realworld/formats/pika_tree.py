@@ -128,7 +128,9 @@ def _numbers(files: Sequence[Path], keys: Sequence[str]) -> np.ndarray:
     rows = []
     for path in files:
         told = read_json(path, "a JSON file of one sensor reading")
-        row = [number for key in keys for number in (told[key] if isinstance(told[key], list) else [told[key]])]
+        row: list = []
+        for key in keys:
+            row += told[key] if isinstance(told[key], list) else [told[key]]
         if not all(type(number) in (int, float) for number in row):
             raise BadInput(f"{path}: {str(row)[:60]}; expected numbers")
         rows.append(row)
