@@ -52,7 +52,8 @@ def run_notebook(
 
     folder = paths.BUILD / "notebooks" / profile.name
     executed, problem = folder / f"{name}.ipynb", ""
-    given = {**parameters(name, profile, changes), "profile": profile.name}
+    given = {key: list(value) if isinstance(value, tuple) else value  # a tuple is a text to papermill
+             for key, value in {**parameters(name, profile, changes), "profile": profile.name}.items()}
     folder.mkdir(parents=True, exist_ok=True)
     for _ in range(STARTS):
         try:
