@@ -9,6 +9,7 @@ import recipes
 
 from move import paths
 from move.errors import BadInput
+from move.figures.page import data
 from move.learn.evaluate import Evaluation
 from move.sim.collect import Collection
 from move.study import execute, plan, results, run, verify
@@ -155,7 +156,7 @@ TAMPERED = [  # what is done, the reason that is told, None where the file stays
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
     """A results folder of the profile, and build/ elsewhere."""
-    for module in (paths, plan, page.paths):
+    for module in (paths, plan):
         monkeypatch.setattr(module, "results", lambda profile: tmp_path / "results")
     monkeypatch.setattr(run, "RUNS", tmp_path / "runs")
     (tmp_path / "results").mkdir()
@@ -181,7 +182,7 @@ def test_one_bad_file_is_one_bad_file(honest, folder, change, reason, monkeypatc
     (row,) = plan.plan_rows(profile, {"figure": specs})
     checked = {line["file"]: line for line in verify.check_files(folder)}
     monkeypatch.setenv("MOVE_STORED_ONLY", "1")
-    drawn = page.load_or_run([LabelledRun(one, {}) for one in specs], profile)
+    drawn = data.load_or_run([LabelledRun(one, {}) for one in specs], profile, folder)
     if reason is None:
         assert len(there) == 2 and row["why"] == "complete" and checked[path.name]["same"]
         assert "MISSING" not in drawn.source
