@@ -354,7 +354,8 @@ def test_what_the_hints_say_is_accepted():
         hint = str(caught.value).split("write the number as ")[1]
         assert yaml_text.read(hint, "here") == float(text.strip("'"))
     assert isinstance(yaml_text.read("1000", "here"), int)
-    assert parameters.parameters("fig1_sparse", profile, {"timesteps": yaml_text.read("1000", "here")})["timesteps"] == 1000
+    given = {"timesteps": yaml_text.read("1000", "here")}
+    assert parameters.parameters("fig1_sparse", profile, given)["timesteps"] == 1000
 
 
 @pytest.mark.parametrize("text", ["2024-10-01", "run #3", "on", "5", "1e3", "0x64", "[a]", "~", "", "a: b", " x ", "ö"])

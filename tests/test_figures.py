@@ -50,7 +50,8 @@ def strips(count: int) -> dict:
 def overview(data: Data) -> plt.Figure:
     """Figure 2 of places at random; nothing is simulated."""
     places = {name: pd.DataFrame(RNG.uniform([-0.2, 0.5, -0.1, 0.8], [0.1, 0.8, 0.1, 0.9], (50, 4)),
-                                 columns=["object_x", "object_y", "target_x", "target_y"]) for name in PAPER_METHODS}
+                                 columns=["object_x", "object_y", "target_x", "target_y"]).assign(method=name)
+              for name in PAPER_METHODS}
     shares = pd.DataFrame({"method": PAPER_METHODS, "object": 0.25, "target": 0.4})
     seen = Data(data.profile, data.folder, seen=fig2_overview.Seen(places, strips(3)))
     return fig2_overview.draw({"": shares}, seen, task="pick-place")

@@ -30,7 +30,7 @@ def save(folder):
     drawn = figure()
     style.save(drawn, "line", folder, CAPTION)
     plt.close(drawn)
-    printed.save(pd.DataFrame({"task": ["push"], "rate": [0.5]}), "table2_main", folder)
+    printed.save(pd.DataFrame({"task": ["push"], "rate": [0.5]}), "table2_main", folder, "Rates.")
     write_video(folder / "film.mp4", np.zeros((3, 16, 16, 3), np.uint8), (16, 16), 10, "yuv420p", {})
 
 
@@ -73,6 +73,60 @@ def test_pictures_that_nobody_can_tell_apart_stay(outputs):
     before = {path.name: path.stat().st_mtime_ns for path in outputs.glob("line.p*")}
     save(outputs)
     assert {path.name: path.stat().st_mtime_ns for path in outputs.glob("line.p*")} == before
+
+
+def test_a_saved_figure_is_the_same_file_every_time(tmp_path):
+    style.use_style()
+    written = []
+    for folder in ("a", "b"):
+        figure, ax = plt.subplots()
+        ax.plot([0, 1])
+        style.save(figure, "f", tmp_path / folder, CAPTION)
+        written.append([(tmp_path / folder / f"f.{kind}").read_bytes() for kind in ("pdf", "png")])
+    assert written[0] == written[1]
+
+
+def test_a_figure_is_saved_alike_whether_or_not_it_has_been_shown(tmp_path):
+    style.use_style()
+    written = []
+    for shown in ((), (150,), (72, 200, 150)):
+        figure, panels = plt.subplots(1, 3, figsize=(style.PAGE_WIDTH, 2.3))
+        for ax in panels:
+            ax.set(aspect="equal", xlabel="object x (m)", title="a panel")
+        figure.colorbar(panels[0].imshow(np.eye(3)), ax=panels[2], label="success rate")
+        for dpi in shown:
+            figure.set_dpi(dpi)
+            figure.canvas.draw()
+        folder = tmp_path / str(len(shown))
+        style.save(figure, "f", folder, CAPTION)
+        written.append([(folder / f"f.{kind}").read_bytes() for kind in ("pdf", "png")])
+    assert written[0] == written[1] == written[2]
+
+
+def a_scene(levels: int, folder, size: float = 1.0, title: str = "Scene") -> list[bytes]:
+    """What is in `folder` once a grey scene is saved there, one pixel of which is so many levels brighter."""
+    image = np.full((40, 40, 3), 100, np.uint8)
+    image[20, 20] += levels
+    figure = plt.figure(figsize=(size, size))
+    figure.figimage(image, resize=False)
+    style.save(figure, "f", folder, Caption(title, "Drawn.", "Grey.", "A scene."))
+    return [(folder / f"f.{kind}").read_bytes() for kind in ("pdf", "png")]
+
+
+def test_a_picture_that_differs_by_less_than_can_be_seen_is_left_as_it_is(tmp_path):
+    first = a_scene(0, tmp_path)
+    assert a_scene(2, tmp_path) == first, "another machine draws a pixel a level or two apart"
+    for changed in (a_scene(3, tmp_path), a_scene(0, tmp_path, size=1.1), a_scene(0, tmp_path, title="Another")):
+        assert changed[0] != first[0] and changed[1] != first[1]
+
+
+def test_a_picture_is_written_where_one_of_its_files_is_missing_or_none(tmp_path):
+    first = a_scene(0, tmp_path)
+    for file, what in (("f.pdf", None), ("f.png", None), ("f.png", b"none"), ("f.png", first[1][:80])):
+        (tmp_path / file).unlink()
+        if what is not None:
+            (tmp_path / file).write_bytes(what)
+        assert a_scene(0, tmp_path) == first, (file, what)
 
 
 @pytest.mark.parametrize("name", ["line.pdf", "line.png", "line.caption.md", "table2_main.csv", "table2_main.tex",
