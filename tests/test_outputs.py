@@ -7,11 +7,15 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from move import paths
 from move.errors import BadInput
+from move.figures import table4_hyperparameters
 from move.figures.page import printed
 from move.figures.page.captions import Caption
+from move.figures.page.make import make
 from move.figures.plots import style
 from move.study.execute import how_far
+from move.study.profiles import load_profile
 from move.video import write_video
 
 CAPTION = Caption("A line", "What is shown.", "Something.", "A line that rises.")
@@ -169,3 +173,19 @@ def test_a_progress_file_that_says_nothing_is_no_progress(tmp_path, text):
     assert how_far(tmp_path) is None
     (tmp_path / "progress").write_text("train 5 10")
     assert how_far(tmp_path) == ("train", pytest.approx(0.475))
+
+
+def test_the_shipped_table_4_is_that_of_the_profiles_and_agrees_with_the_paper_where_it_should(tmp_path, monkeypatch):
+    monkeypatch.setattr(paths, "figures", lambda profile: tmp_path)
+    made = make("table4_hyperparameters", "laptop")
+    (drawn,) = made.tables.values()
+    table = drawn.set_index("hyperparameter")
+    shipped = pd.read_csv(paths.ROOT / "paper_figures/table4_hyperparameters.csv", dtype=str, keep_default_na=False)
+    assert shipped.to_dict("list") == drawn.to_dict("list")
+    for name in ("prediction horizon", "action horizon", "observation horizon", "denoising steps in training",
+                 "denoising steps in inference", "batch size"):
+        assert table.loc[name, "paper"] == table.loc[name, "paper, simulation"]
+    for profile in ("laptop", "paper"):
+        recipe = load_profile(profile).recipe("rgb", 20_000)
+        told = [str(getattr(recipe, field)) for field in table4_hyperparameters.FIELDS.values()]
+        assert table.loc[list(table4_hyperparameters.FIELDS), profile].tolist() == told
