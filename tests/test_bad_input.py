@@ -12,6 +12,7 @@ from test_cli import move
 from move import paths, yaml_text
 from move.cli.parameters import parameters as read_parameters
 from move.errors import BadInput
+from move.figures import names
 from move.figures.page import parameters
 from move.study import profiles
 from move.study.profiles import load_profile
@@ -246,10 +247,11 @@ VALUES = [
     ("demonstrations", "shown=nope", "shown: 'nope' given"),
     ("fig2", "image_size=9999", "image_size: 9999 given"),
     ("fig2", "rotating_task=5", "rotating_task: '5' given"),
-    ("table3", "data=a\x1bb", "characters that can be printed"),
-    ("table3", "revision=main", "revision: 'main' given"),
-    ("table3", "size_cap_gb=-1", "size_cap_gb: -1 given"),
-    ("table3", "episodes=0", "episodes: 0 given"),
+    ("fig2", "timesteps=-1", "timesteps: -1 given"),
+    ("fig8", "dataset=a\x1bb", "characters that can be printed"),
+    ("fig8", "revision=main", "revision: 'main' given"),
+    ("fig8", "size_cap_gb=-1", "size_cap_gb: -1 given"),
+    ("fig8", "episodes=0", "episodes: 0 given"),
     ("table4", "compared=[moon]", "profile: 'moon' given"),
     ("statistics", "draws=0", "draws: 0 given"),
     ("statistics", "seeds=[]", "seeds"),
@@ -270,17 +272,17 @@ def test_what_the_hints_say_is_accepted():
         hint = str(caught.value).split("write the number as ")[1]
         assert yaml_text.read(hint, "here") == float(text.strip("'"))
     assert isinstance(yaml_text.read("1000", "here"), int)
-    assert parameters.check("fig1_sparse", profile, {"timesteps": yaml_text.read("1000", "here")})["timesteps"] == 1000
+    given = {"timesteps": yaml_text.read("1000", "here")}
+    assert parameters.parameters("fig1_sparse", profile, given)["timesteps"] == 1000
 
 
 @pytest.mark.parametrize("text", ["2024-10-01", "run #3", "on", "5", "1e3", "0x64", "[a]", "~", "", "a: b", " x ", "ö"])
 def test_a_parameter_that_is_text_is_taken_as_it_stands(text):
-    known = choices.texts(["table3_real"])
-    assert {"data", "sheet", "units_file"} <= known
-    for name in ("data", "sheet"):
-        given = read_parameters([f"{name}={text}", "episodes=5"], known)
-        assert parameters.check("table3_real", load_profile("smoke"), given)[name] == text
-        assert given["episodes"] == 5
+    known = parameters.texts("fig8_real_setup")
+    assert known == {"dataset", "revision", "units_file"} and parameters.texts("table3_real") == {"sheet"}
+    given = read_parameters([f"dataset={text}", "episodes=5"], known)
+    assert parameters.parameters("fig8_real_setup", load_profile("smoke"), given)["dataset"] == text
+    assert given["episodes"] == 5
 
 
 @pytest.mark.parametrize(("text", "value"), [
@@ -299,18 +301,19 @@ def test_many_keys_are_read_in_no_time():
     assert time.monotonic() - started < 60
 
 
-def test_every_parameter_of_every_notebook_is_checked():
-    for name in choices.notebooks():
-        own = parameters.defaults(name) if name in parameters.with_runs() else {}
-        unchecked = set(choices.parameters(name)) - {"profile"} - set(own) - set(parameters.ALLOWED)
-        assert not unchecked, (name, unchecked)
+def test_every_parameter_of_every_figure_is_checked():
+    """A mapping is no value of any of them."""
+    for name in names():
+        for key in parameters.defaults(name):
+            with pytest.raises(BadInput, match=f"{name}: {key}"):
+                parameters.parameters(name, load_profile("laptop"), {key: {"a": 1}})
 
 
-@pytest.mark.parametrize("profile", ["laptop", "smoke"])
+@pytest.mark.parametrize("profile", profiles.names())
 def test_what_the_profiles_themselves_choose_is_allowed(profile):
     chosen = load_profile(profile)
-    for name in choices.notebooks():
-        assert parameters.check(name, chosen, {})["profile"] == profile
+    for name in names():
+        assert parameters.parameters(name, chosen).keys() == parameters.defaults(name).keys()
 
 
 VALUE = st.recursive(
@@ -331,12 +334,12 @@ def test_any_text_is_read_as_plain_values_or_refused_in_one_line(text):
 
 
 @settings(max_examples=100, deadline=None)
-@given(name=st.sampled_from(["fig1_sparse", "fig3_dense", "rollouts", "fig2_overview", "table3_real"]),
+@given(name=st.sampled_from(["fig1_sparse", "fig3_dense", "rollouts", "fig2_overview", "fig8_real_setup"]),
        number=st.integers(0, 20), value=VALUE)
 def test_any_value_of_a_parameter_is_taken_or_refused_in_one_line(name, number, value):
-    names = choices.parameters(name)
+    known = list(parameters.defaults(name))
     try:
-        parameters.check(name, load_profile("smoke"), {names[number % len(names)]: value})
+        parameters.parameters(name, load_profile("smoke"), {known[number % len(known)]: value})
     except BadInput as problem:
         assert "\n" not in str(problem)
 

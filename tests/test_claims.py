@@ -23,7 +23,7 @@ from move.sim.tasks import TASKS
 from move.statistics.estimates import TrainingNoise
 from move.statistics.needed import Design, Trials
 from move.statistics.verdicts import VERDICTS, Contradiction, Finding, Missing, Untested, verdict
-from move.study.profiles import load_profile
+from move.study.profiles import Profile, load_profile
 
 INFINITE = float("inf")
 LAPTOP = load_profile("laptop")
@@ -305,7 +305,7 @@ def test_the_ledger_has_the_figures_own_intervals_and_signs(number, stored):
 def test_a_claim_without_runs_says_what_it_would_cost(tmp_path, monkeypatch):
     monkeypatch.setattr(Profile, "results", property(lambda profile: tmp_path))
     evidence = Evidence(LAPTOP)
-    asked = [item for each in claims() if each.figure in EXPERIMENTS for item in findings(each, evidence)]
+    asked = [item for each in claims() if each.figure in parameters.with_runs() for item in findings(each, evidence)]
     missing = [item for item in asked if isinstance(item, Missing)]
     assert len(missing) > 20 and all(item.runs > 0 for item in missing)
     assert not [item for item in asked if isinstance(item, Finding)]

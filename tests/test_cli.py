@@ -11,6 +11,7 @@ import pytest
 from safetensors import SafetensorError
 
 from move import cli, machine, paths
+from move.figures import named, names
 from move.figures.page import kernels
 from move.learn import checkpoint, dataset
 from move.study.doctor import examine, locked_versions
@@ -157,7 +158,7 @@ def test_short_and_long_names_mean_the_same_figure(capsys):
     rows = [json.loads(move(capsys, "plan", name, "--profile", "smoke", "--json")[1])
             for name in ("fig1", "fig1_sparse")]
     assert rows[0] == rows[1] and [row["figure"] for row in rows[0]] == ["fig1_sparse"]
-    assert choices.notebook("fig8") == choices.notebook("table3") == "table3_real"
+    assert (named("fig8"), named("table3")) == ("fig8_real_setup", "table3_real")
 
 
 def test_a_plan_tells_what_a_change_would_cost(capsys):
@@ -223,7 +224,7 @@ def test_doctor_checks_the_pins_that_hold_for_this_platform_alone():
 
 
 def test_every_notebook_has_parameters_and_teaches():
-    for name in notebooks.names():
+    for name in names():
         content = json.loads((paths.NOTEBOOKS / f"{name}.ipynb").read_text())
         code = [cell for cell in content["cells"] if cell["cell_type"] == "code"]
         assert sum("parameters" in cell["metadata"].get("tags", []) for cell in code) == 1

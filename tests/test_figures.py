@@ -16,7 +16,7 @@ from matplotlib.container import ErrorbarContainer  # noqa: E402
 from matplotlib.lines import Line2D  # noqa: E402
 from matplotlib.text import Text  # noqa: E402
 from PIL import Image  # noqa: E402
-from planted import World  # noqa: E402
+from planted import World, visited  # noqa: E402
 
 from move import paths  # noqa: E402
 from move.errors import BadInput  # noqa: E402
@@ -28,6 +28,7 @@ from move.figures.plots import real_figures, style  # noqa: E402
 from move.paper import PAPER_METHODS  # noqa: E402
 from move.realworld import tracking, workspace  # noqa: E402
 from move.realworld.trials import real_table  # noqa: E402
+from move.sim.collection import Collection  # noqa: E402
 from move.study.profiles import load_profile  # noqa: E402
 
 RNG = np.random.default_rng(0)
@@ -50,7 +51,8 @@ def strips(count: int) -> dict:
 def overview(data: Data) -> plt.Figure:
     """Figure 2 of places at random; nothing is simulated."""
     places = {name: pd.DataFrame(RNG.uniform([-0.2, 0.5, -0.1, 0.8], [0.1, 0.8, 0.1, 0.9], (50, 4)),
-                                 columns=["object_x", "object_y", "target_x", "target_y"]) for name in PAPER_METHODS}
+                                 columns=["object_x", "object_y", "target_x", "target_y"]).assign(method=name)
+              for name in PAPER_METHODS}
     shares = pd.DataFrame({"method": PAPER_METHODS, "object": 0.25, "target": 0.4})
     seen = Data(data.profile, data.folder, seen=fig2_overview.Seen(places, strips(3)))
     return fig2_overview.draw({"": shares}, seen, task="pick-place")
@@ -185,6 +187,22 @@ def test_every_letter_that_the_caption_names_is_a_panel(drawn):
 def test_what_comes_from_keypoints_says_so(world):
     for name in ("keypoint_control", "table_keypoint_control", "table2_main", "table_adc", "fig_perception"):
         assert any("keypoints" in text.get_text() for text in seen_texts(picture(name, world))), name
+
+
+def test_figure_2_counts_demonstrations_and_the_cells_that_they_visit(tmp_path):
+    places = {name: visited(Collection(task="pick-place", method=name, timesteps=400), False).assign(
+        method=name, episode=np.arange(400) // (100 + 10 * number)) for number, name in enumerate(PAPER_METHODS)}
+    data = Data(load_profile("laptop"), tmp_path, seen=fig2_overview.Seen(places, {}))
+    tables = fig2_overview.tables(data, task="pick-place")
+    counted = {name: [rows.episode.iloc[-1] + 1, len(rows[["object_x", "object_y"]].drop_duplicates()) / 100,
+                      len(rows[["target_x", "target_y"]].drop_duplicates()) / 100, rows.camera_angle.nunique() / 20]
+               for name, rows in places.items()}
+    assert tables[""].set_index("method").T.to_dict("list") == counted
+    answer = fig2_overview.answer(tables, data, timesteps=2500)
+    static, adc, move = counted["static"], counted["adc"], counted["move"]
+    assert f"MOVE's {move[0]}, static's {static[0]} and ADC's {adc[0]} demonstrations" in answer
+    for place, part in enumerate(("object", "target", "camera"), 1):
+        assert f"the {part} in **{move[place]:.0%}**, {static[place]:.0%} and {adc[place]:.0%}" in answer
 
 
 def test_every_shipped_file_of_a_figure_has_words():

@@ -30,7 +30,8 @@ from move.study.kinds import policy_run
 from move.study.profiles import load_profile
 from move.validation import build
 
-PAGES = {"encoder": "add_an_encoder", "figure": "add_a_figure", "task": "add_a_task", "method": "add_a_collection_method"}
+PAGES = {"encoder": "add_an_encoder", "figure": "add_a_figure", "task": "add_a_task",
+         "method": "add_a_collection_method"}
 COMMITS = paths.ROOT / "docs/how-to/commits"
 
 

@@ -197,7 +197,7 @@ def clone(folder: Path, file: str = "sim/collect.py", line: str = "# another") -
 
 
 @pytest.mark.parametrize("file, decides", [("sim/motion/adc.py", True), ("learn/diffusion.py", True),
-                                           ("study/run.py", True), ("report/words.py", False)])
+                                           ("study/run.py", True), ("figures/page/captions.py", False)])
 def test_the_source_that_decides_a_result_is_all_of_it_and_no_more(tmp_path, file, decides):
     assert (provenance.source(clone(tmp_path, file) / "move") != provenance.source()) == decides
 

@@ -5,16 +5,15 @@ from functools import partial
 
 import pytest
 
-from move import paper, paths
+from move import figures, paper, paths
 from move.errors import BadInput
-from move.figures import fig1_sparse
 from move.figures.page import parameters
 from move.learn.evaluation import Evaluation
 from move.study import profiles, results
 from move.study import run as running
 from move.study.kinds import collector_run, control_run, policy_run
 from move.study.labels import LabelledRun, distinct, grid
-from move.study.profiles import Profile, load_profile
+from move.study.profiles import load_profile
 
 SMOKE = load_profile("smoke")
 PUSH = partial(policy_run, SMOKE, task="push", method="move", seed=0, timesteps=100, observation="keypoints")
@@ -53,7 +52,6 @@ def test_a_setting_goes_to_the_part_of_the_run_that_has_it():
     (lambda: PUSH(protocol="spiral"), "protocol: 'spiral' given"),
     (lambda: control_run(task="push", agent="dog"), "agent: 'dog' given"),
     (lambda: collector_run(SMOKE, task="push", method="move", attempts=0), "episodes: 0 given"),
-    (lambda: fig1_sparse.runs(profile="laptop"), "fig1_sparse: profile: 'laptop' given"),
 ])
 def test_what_no_run_can_be_is_one_clear_line(make, message):
     with pytest.raises(BadInput, match=message) as problem:
@@ -114,11 +112,20 @@ def test_experiments_have_the_papers_methods_and_tasks_and_no_other(name):
         assert {spec.task for spec in specs} <= set(paper.PAPER_TASKS)
 
 
-def test_a_new_experiment_needs_one_function(monkeypatch):
-    monkeypatch.setattr("move.experiments.registry.EXPERIMENTS", {})
+def test_a_new_figure_is_one_file(tmp_path, monkeypatch):
+    (tmp_path / "mine.py").write_text("""
+from functools import partial
+from move.study.kinds import control_run
+from move.study.labels import grid
 
-    @experiments.experiment
-    def mine(profile: Profile, seeds: int = 2) -> list[LabelledRun]:
-        return grid(partial(control_run, task="push", agent="random"), seed=range(seeds))
-
-    assert [run.labels["seed"] for run in parameters.runs("mine", SMOKE)] == [0, 1]
+def runs(profile, seeds: int = 2):
+    return grid(partial(control_run, task="push", agent="random"), seed=range(seeds))
+""")
+    monkeypatch.setattr(figures, "__path__", [*figures.__path__, str(tmp_path)])
+    figures.names.cache_clear()
+    try:
+        assert "mine" in figures.names()
+        assert [run.labels["seed"] for run in parameters.runs("mine", SMOKE)] == [0, 1]
+        assert len(parameters.runs("mine", SMOKE, {"seeds": 5})) == 5
+    finally:
+        figures.names.cache_clear()

@@ -12,7 +12,7 @@ import pytest  # noqa: E402
 from move.errors import BadInput  # noqa: E402
 from move.figures import fig_coverage  # noqa: E402
 from move.figures.page.parameters import specs, with_runs  # noqa: E402
-from move.study.profiles import load_profile  # noqa: E402
+from move.study.profiles import Profile, load_profile  # noqa: E402
 
 LAPTOP = load_profile("laptop")
 SLOW = {"fig_coverage"}  # collects anew what its policies learnt from: only its words are tried here
@@ -44,8 +44,7 @@ def alone(request, tmp_path_factory):
 @pytest.mark.parametrize("name", READING)
 def test_a_figure_is_drawn_where_only_one_method_is_there(name, alone, figures, monkeypatch):
     method, folder = alone
-    monkeypatch.setattr(paths, "results", lambda profile: folder)
-    monkeypatch.setattr("move.claims.evidence.results", lambda profile: folder)
+    monkeypatch.setattr(Profile, "results", property(lambda profile: folder))
     own = specs(name, LAPTOP) if name in WITH_RUNS else []
     if own and not any((folder / f"{spec.hash}.json").exists() for spec in own):
         with pytest.raises(BadInput, match=f"none of the {len(own)} runs"):

@@ -1,34 +1,41 @@
-"""A notebook's parameters are its experiment's, so that `make figures` computes one grid and draws the same one."""
+"""A notebook's parameters are its figure's, so that `make figures` computes one grid and draws the same one."""
+
+import ast
 
 import matplotlib
+import nbformat
+import papermill
+import pytest
+
+from move import paths
+from move.figures import names
+from move.figures.page import parameters
+from move.figures.page.make import make
+from move.figures.plots import style
+from move.study.profiles import Profile, load_profile
 
 matplotlib.use("Agg")
 
-import matplotlib.pyplot as plt  # noqa: E402
-import papermill  # noqa: E402
-import pytest  # noqa: E402
 
-from move import paths  # noqa: E402
-from move.figures.page import parameters  # noqa: E402
-from move.figures.page.changes import SHOWN  # noqa: E402
-from move.study.profiles import load_profile  # noqa: E402
-
-
-@pytest.mark.parametrize("name", parameters.with_runs())
-def test_a_notebooks_defaults_are_its_experiments(name):
-    found = papermill.inspect_notebook(str(paths.NOTEBOOKS / f"{name}.ipynb"))
-    defaults = parameters.defaults(name)
-    assert found.pop("profile")["default"] == '"laptop"'
-    extra = set(found) - set(defaults)
-    assert set(defaults) <= set(found) and extra == set(SHOWN.get(name, {})), extra
-    for key, default in defaults.items():
-        value = eval(found[key]["default"])  # noqa: S307, our own notebook
-        assert (tuple(value) if isinstance(value, list) else value) == default, key
+@pytest.mark.parametrize("name", names())
+def test_a_notebook_has_its_figures_parameters_with_the_laptop_profiles_values_and_passes_every_one(name):
+    path = paths.NOTEBOOKS / f"{name}.ipynb"
+    found = {key: eval(one["default"])  # noqa: S307, our own notebook
+             for key, one in papermill.inspect_notebook(str(path)).items()}
+    assert found.pop("profile") == "laptop"
+    assert {key: tuple(value) if isinstance(value, list) else value for key, value in found.items()} == (
+        parameters.parameters(name, load_profile("laptop")))
+    sources = [cell.source for cell in nbformat.read(path, 4).cells if cell.cell_type == "code"]
+    (made,) = [node for source in sources for node in ast.walk(ast.parse(source))
+               if isinstance(node, ast.Call) and ast.unparse(node.func) == "make"]
+    assert [ast.unparse(argument) for argument in made.args] == [repr(name), "profile"]
+    assert {one.arg: ast.unparse(one.value) for one in made.keywords} == {key: key for key in found}
 
 
-@pytest.mark.parametrize("profile, stamped", [("smoke", True), ("laptop", False)])
+@pytest.mark.parametrize(("profile", "stamped"), [("smoke", True), ("laptop", False)])
 def test_a_smoke_figure_says_so_across_itself_and_no_other_does(profile, stamped, tmp_path, monkeypatch):
-    monkeypatch.setattr(Profile, "figures", property(lambda name: tmp_path))
-    figure, _ = plt.subplots()
-    page.write("claims", figure, {}, load_profile(profile), "source")
-    assert ("SMOKE" in [text.get_text() for text in figure.texts]) is stamped
+    drawn = []
+    monkeypatch.setattr(style, "save", lambda figure, *_: drawn.append([text.get_text() for text in figure.texts]))
+    monkeypatch.setattr(Profile, "figures", property(lambda _: tmp_path))
+    make("table3_real", profile)
+    assert len(drawn) == 1 and ("SMOKE" in drawn[0]) is stamped

@@ -7,11 +7,15 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from move import paths
 from move.errors import BadInput
+from move.figures import table4_hyperparameters
 from move.figures.page import printed
 from move.figures.page.captions import Caption
+from move.figures.page.make import make
 from move.figures.plots import style
 from move.study.execute import how_far
+from move.study.profiles import Profile, load_profile
 from move.video import write_video
 
 CAPTION = Caption("A line", "What is shown.", "Something.", "A line that rises.")
@@ -30,7 +34,7 @@ def save(folder):
     drawn = figure()
     style.save(drawn, "line", folder, CAPTION)
     plt.close(drawn)
-    printed.save(pd.DataFrame({"task": ["push"], "rate": [0.5]}), "table2_main", folder)
+    printed.save(pd.DataFrame({"task": ["push"], "rate": [0.5]}), "table2_main", folder, "Rates.")
     write_video(folder / "film.mp4", np.zeros((3, 16, 16, 3), np.uint8), (16, 16), 10, "yuv420p", {})
 
 
@@ -75,6 +79,60 @@ def test_pictures_that_nobody_can_tell_apart_stay(outputs):
     assert {path.name: path.stat().st_mtime_ns for path in outputs.glob("line.p*")} == before
 
 
+def test_a_saved_figure_is_the_same_file_every_time(tmp_path):
+    style.use_style()
+    written = []
+    for folder in ("a", "b"):
+        figure, ax = plt.subplots()
+        ax.plot([0, 1])
+        style.save(figure, "f", tmp_path / folder, CAPTION)
+        written.append([(tmp_path / folder / f"f.{kind}").read_bytes() for kind in ("pdf", "png")])
+    assert written[0] == written[1]
+
+
+def test_a_figure_is_saved_alike_whether_or_not_it_has_been_shown(tmp_path):
+    style.use_style()
+    written = []
+    for shown in ((), (150,), (72, 200, 150)):
+        figure, panels = plt.subplots(1, 3, figsize=(style.PAGE_WIDTH, 2.3))
+        for ax in panels:
+            ax.set(aspect="equal", xlabel="object x (m)", title="a panel")
+        figure.colorbar(panels[0].imshow(np.eye(3)), ax=panels[2], label="success rate")
+        for dpi in shown:
+            figure.set_dpi(dpi)
+            figure.canvas.draw()
+        folder = tmp_path / str(len(shown))
+        style.save(figure, "f", folder, CAPTION)
+        written.append([(folder / f"f.{kind}").read_bytes() for kind in ("pdf", "png")])
+    assert written[0] == written[1] == written[2]
+
+
+def a_scene(levels: int, folder, size: float = 1.0, title: str = "Scene") -> list[bytes]:
+    """What is in `folder` once a grey scene is saved there, one pixel of which is so many levels brighter."""
+    image = np.full((40, 40, 3), 100, np.uint8)
+    image[20, 20] += levels
+    figure = plt.figure(figsize=(size, size))
+    figure.figimage(image, resize=False)
+    style.save(figure, "f", folder, Caption(title, "Drawn.", "Grey.", "A scene."))
+    return [(folder / f"f.{kind}").read_bytes() for kind in ("pdf", "png")]
+
+
+def test_a_picture_that_differs_by_less_than_can_be_seen_is_left_as_it_is(tmp_path):
+    first = a_scene(0, tmp_path)
+    assert a_scene(2, tmp_path) == first, "another machine draws a pixel a level or two apart"
+    for changed in (a_scene(3, tmp_path), a_scene(0, tmp_path, size=1.1), a_scene(0, tmp_path, title="Another")):
+        assert changed[0] != first[0] and changed[1] != first[1]
+
+
+def test_a_picture_is_written_where_one_of_its_files_is_missing_or_none(tmp_path):
+    first = a_scene(0, tmp_path)
+    for file, what in (("f.pdf", None), ("f.png", None), ("f.png", b"none"), ("f.png", first[1][:80])):
+        (tmp_path / file).unlink()
+        if what is not None:
+            (tmp_path / file).write_bytes(what)
+        assert a_scene(0, tmp_path) == first, (file, what)
+
+
 @pytest.mark.parametrize("name", ["line.pdf", "line.png", "line.caption.md", "table2_main.csv", "table2_main.tex",
                                   "film.mp4"])
 def test_a_disk_that_is_full_at_the_end_is_one_line_and_leaves_what_was_there(outputs, name, monkeypatch):
@@ -115,3 +173,19 @@ def test_a_progress_file_that_says_nothing_is_no_progress(tmp_path, text):
     assert how_far(tmp_path) is None
     (tmp_path / "progress").write_text("train 5 10")
     assert how_far(tmp_path) == ("train", pytest.approx(0.475))
+
+
+def test_the_shipped_table_4_is_that_of_the_profiles_and_agrees_with_the_paper_where_it_should(tmp_path, monkeypatch):
+    monkeypatch.setattr(Profile, "figures", property(lambda profile: tmp_path))
+    made = make("table4_hyperparameters", "laptop")
+    (drawn,) = made.tables.values()
+    table = drawn.set_index("hyperparameter")
+    shipped = pd.read_csv(paths.ROOT / "paper_figures/table4_hyperparameters.csv", dtype=str, keep_default_na=False)
+    assert shipped.to_dict("list") == drawn.to_dict("list")
+    for name in ("prediction horizon", "action horizon", "observation horizon", "denoising steps in training",
+                 "denoising steps in inference", "batch size"):
+        assert table.loc[name, "paper"] == table.loc[name, "paper, simulation"]
+    for profile in ("laptop", "paper"):
+        recipe = load_profile(profile).recipe("rgb", 20_000)
+        told = [str(getattr(recipe, field)) for field in table4_hyperparameters.FIELDS.values()]
+        assert table.loc[list(table4_hyperparameters.FIELDS), profile].tolist() == told

@@ -59,14 +59,9 @@ def test_the_interquartile_difference_is_the_first_minus_the_second():
     assert readable(over)["IQM, MOVE (%)"].tolist() == ["50.0"]
 
 
-@pytest.fixture
-def named(monkeypatch):
-    monkeypatch.setattr(printed, "table_caption", lambda name, source: f"Of {name}. {source}")
-
-
-def test_latex_keeps_every_cell_in_its_row_and_column_and_escapes_what_it_must(named):
+def test_latex_keeps_every_cell_in_its_row_and_column_and_escapes_what_it_must():
     table = pd.DataFrame({"Who": ["a_b", "50 % & more"], "Points": ["−1.0", "<0.001"], "Paper": ["—", "+2.0"]})
-    text = latex(table, "x", "with 5 %")
+    text = latex(table, "x", "Of x. with 5 %")
     assert r"a\_b & $-$1.0 & --- \\" in text and r"50 \% \& more & $<$0.001 & +2.0 \\" in text
     assert r"\caption{Of x. with 5 \%}" in text and r"\label{tab:x}" in text
     assert r"\begin{tabular}{lrr}" in text and text.index("Who") < text.index(r"a\_b")
@@ -74,19 +69,19 @@ def test_latex_keeps_every_cell_in_its_row_and_column_and_escapes_what_it_must(n
 
 @pytest.mark.parametrize(("rows", "letters", "kind"), [
     (3, 10, "table"), (3, 70, "table*"), (60, 10, "longtable")])
-def test_a_table_has_the_float_that_it_fits_into(named, rows, letters, kind):
+def test_a_table_has_the_float_that_it_fits_into(rows, letters, kind):
     wide = {"table": 1, "table*": 4, "longtable": 1}[kind]
     table = pd.DataFrame({f"column {place}": ["x" * (letters // wide)] * rows for place in range(wide)})
-    text = latex(table, "x")
+    text = latex(table, "x", "Of x.")
     assert text.count(rf"\begin{{{kind}}}") == text.count(rf"\end{{{kind}}}") == 1
     assert text.count("x" * (letters // wide)) >= rows
 
 
-def test_the_tidy_table_is_written_beside_the_printed_one_and_nothing_is_rounded_away(tmp_path, named):
+def test_the_tidy_table_is_written_beside_the_printed_one_and_nothing_is_rounded_away(tmp_path):
     table = pd.DataFrame([{"method": "move", "value": 0.12345678, "seeds": [0.1, 0.2]}])
-    printed.save(table, "t", tmp_path / "new")
+    printed.save(table, "t", tmp_path / "new", "A caption.")
     (line,) = pd.read_csv(tmp_path / "new" / "t.csv").to_dict("records")
     assert line == {"method": "move", "value": 0.1235, "seeds": "0.1 0.2"}
     assert "MOVE & 12.3 & 10.0, 20.0" in (tmp_path / "new" / "t.tex").read_text()
-    printed.save(table, "t", tmp_path, pd.DataFrame({"In its place": ["7"]}))
+    printed.save(table, "t", tmp_path, "A caption.", pd.DataFrame({"In its place": ["7"]}))
     assert "In its place" in (tmp_path / "t.tex").read_text() and "MOVE" not in (tmp_path / "t.tex").read_text()

@@ -5,31 +5,23 @@ import json
 import re
 import subprocess
 from copy import deepcopy
-from types import SimpleNamespace
 
 import matplotlib
 
 matplotlib.use("Agg")
 
-import matplotlib.pyplot as plt  # noqa: E402
 import nbformat  # noqa: E402
-import pandas as pd  # noqa: E402
-import papermill  # noqa: E402
 import pytest  # noqa: E402
 from conftest import notebooks_in_git  # noqa: E402
 from nbstripout import strip_output  # noqa: E402
 from rich.console import Console  # noqa: E402
 
-from move import (
-    paths,  # noqa: E402
-)
+from move import paths  # noqa: E402
 from move.errors import BadInput  # noqa: E402
-from move.figures import fig1_sparse  # noqa: E402
-from move.figures.page import (  # noqa: E402
-    changes,
-    kernels,
-    parameters,  # noqa: E402
-)
+from move.figures import fig1_sparse, names  # noqa: E402
+from move.figures.page import changes, data, kernels, parameters  # noqa: E402
+from move.figures.page.make import make, steps  # noqa: E402
+from move.figures.plots import style  # noqa: E402
 from move.study import execute  # noqa: E402
 from move.study.profiles import load_profile  # noqa: E402
 from move.study.results import Result, store  # noqa: E402
@@ -37,57 +29,43 @@ from move.study.results import Result, store  # noqa: E402
 LAPTOP = load_profile("laptop")
 
 
-def defaults(name: str) -> dict:
-    found = papermill.inspect_notebook(str(paths.NOTEBOOKS / f"{name}.ipynb"))
-    return {key: eval(one["default"]) for key, one in found.items() if key != "profile"}  # noqa: S307, our own notebook
-
-
 @pytest.fixture
-def kernel(monkeypatch):
-    """A kernel's namespace, as the page sees it in a browser."""
-    shell = SimpleNamespace(user_ns={})
-    monkeypatch.setattr(changes, "get_ipython", lambda: shell)
-    return shell.user_ns
+def browser(monkeypatch):
+    """A kernel that no command started."""
+    monkeypatch.delenv(changes.BY_COMMAND, raising=False)
+    monkeypatch.setattr(changes, "get_ipython", object)
 
 
-@pytest.mark.parametrize("name", notebooks.names())
-def test_only_a_command_with_the_profiles_own_parameters_writes_what_is_shipped(name, monkeypatch):
-    own = changes.own_parameters(name, LAPTOP)
-    given = {**defaults(name), **LAPTOP.parameters(name)}
-    assert json.dumps(own, sort_keys=True) == json.dumps(given, sort_keys=True)
-    assert changes.change(name, LAPTOP, given).folder == LAPTOP.figures
-    places = {changes.change(name, LAPTOP, given | {key: "another"}).folder for key in given}
-    assert len(places) == len(given)
+@pytest.mark.parametrize("name", names())
+def test_only_a_command_with_the_profiles_own_parameters_writes_what_is_shipped(name, browser, monkeypatch):
+    own = parameters.parameters(name, LAPTOP)
+    places = {changes.change(name, LAPTOP, own | {key: "another"}).folder for key in own}
+    assert len(places) == len(own)
     assert all(place.parent == paths.BUILD / "figures" and place.name.startswith(f"{name}-") for place in places)
-    monkeypatch.setattr(changes, "get_ipython", lambda: SimpleNamespace(user_ns=given))  # in a browser
-    assert changes.change(name, LAPTOP).folder == paths.BUILD / "figures" / "laptop"
+    for given in (own, {}):
+        assert changes.change(name, LAPTOP, given).folder == paths.BUILD / "figures" / "laptop"
     monkeypatch.setenv(changes.BY_COMMAND, "1")
-    assert changes.change(name, LAPTOP).folder == LAPTOP.figures
+    assert changes.change(name, LAPTOP, own).folder == LAPTOP.figures
+    monkeypatch.delenv(changes.BY_COMMAND)
+    monkeypatch.setattr(changes, "get_ipython", lambda: None)  # no notebook at all
+    assert changes.change(name, LAPTOP, own).folder == LAPTOP.figures
 
 
-def test_other_runs_under_the_same_parameters_are_a_change_too():
-    asked = parameters.specs("fig1_sparse", LAPTOP)
-    assert not changes.change("fig1_sparse", LAPTOP, {}, asked)
-    fewer = changes.change("fig1_sparse", LAPTOP, {}, asked[:-1])
-    assert fewer and fewer.folder not in (LAPTOP.figures, changes.change("fig1_sparse", LAPTOP, {}, asked[1:]))
-    assert "other runs" in str(fewer)
-
-
-def test_a_changed_picture_says_how_in_large_letters_and_the_page_says_where(kernel, tmp_path, monkeypatch):
-    said = []
-    monkeypatch.setattr(page, "display", lambda text: said.append(text.data))
+def test_a_changed_picture_says_how_in_large_letters_and_the_page_says_where(browser, tmp_path, monkeypatch):
+    pictures = []
+    save = style.save
+    monkeypatch.setattr(style, "save", lambda figure, *where: (pictures.append(figure), save(figure, *where)))
     monkeypatch.setattr(paths, "BUILD", tmp_path / "build")
     monkeypatch.setattr(paths, "ROOT", tmp_path)
-    kernel.update(defaults("fig1_sparse") | {"observation": "keypoints", "timesteps": 1500, "seeds": 1})
-    figure, _ = plt.subplots()
-    page.write("fig1_sparse", figure, {"": pd.DataFrame({"a": [1]})}, LAPTOP, "source")
-    (over,) = [text for text in figure.texts if "keypoints" in text.get_text()]
-    assert all(told in over.get_text() for told in ("keypoints", "timesteps 1,500", "seeds 1"))
-    assert over.get_fontsize() >= 8
+    made = make("statistics", "laptop", seeds=[1, 2], draws=20, rate=0.4)
+    (over,) = [text for text in pictures[0].texts if "draws" in text.get_text()]
+    assert "Not the shipped figure" in over.get_text() and over.get_fontsize() >= 8
+    assert all(told in over.get_text() for told in ("draws 20 (2,000)", "seeds 1, 2 (1, 2, 3, 5)"))
+    assert "rate" not in over.get_text()
     (folder,) = (tmp_path / "build/figures").iterdir()
     assert {path.name for path in folder.iterdir()} == {
-        f"fig1_sparse.{kind}" for kind in ("png", "pdf", "csv", "tex", "caption.md")}
-    assert folder.name in said[0] and "timesteps 1,500" in said[0]
+        f"statistics.{kind}" for kind in ("png", "pdf", "csv", "tex", "caption.md")}
+    assert folder.name in made.answer.data and "draws 20" in made.answer.data
     assert not (tmp_path / "paper_figures").exists()
 
 
@@ -106,8 +84,8 @@ def test_what_is_shipped_is_read_and_what_is_new_is_stored_elsewhere(tmp_path, m
         computed.append((specs, folder))
         return results[1:], []
 
-    monkeypatch.setattr(page, "execute", compute)
-    loaded = page.load_or_run(asked, LAPTOP)
+    monkeypatch.setattr(data, "execute", compute)
+    loaded = data.load_or_run(asked, LAPTOP, tmp_path)
     assert [result.spec for result in loaded.results] == [run.spec for run in asked]
     assert computed == [([run.spec for run in asked[1:]], tmp_path / "build/results/laptop")]
     assert len(list((tmp_path / "results/laptop").iterdir())) == 1
@@ -125,10 +103,10 @@ def test_a_changed_notebook_runs_to_its_end_beside_what_is_shipped(tmp_path, mon
     assert (told.folder / "statistics.png").exists() and not (tmp_path / "paper_figures").exists()
 
 
-def test_a_bar_ends_at_a_hundred_per_cent_and_a_narrow_page_cuts_the_description_alone(kernel, monkeypatch):
+def test_a_bar_ends_at_a_hundred_per_cent_and_a_narrow_page_cuts_the_description_alone(browser, monkeypatch):
     drawn = io.StringIO()
     monkeypatch.setattr(execute, "Console", lambda stderr: Console(file=drawn, width=60, force_terminal=True))
-    assert list(page.steps(["a", "b"], "a task with a long name " * 5)) == ["a", "b"]
+    assert list(steps(["a", "b"], "a task with a long name " * 5)) == ["a", "b"]
     last = drawn.getvalue()[drawn.getvalue().rindex("%") - 3:]
     assert last.startswith("100%") and "0:00:0" in last and len(re.sub(r"\x1b\S*?[A-Za-z]", "", last)) <= 60
 
@@ -137,7 +115,7 @@ def test_bad_input_in_a_notebook_is_one_line():
     assert BadInput("seeds: -1 given")._render_traceback_()[0].endswith("BadInput\x1b[0m: seeds: -1 given")
 
 
-@pytest.mark.parametrize("name", notebooks.names())
+@pytest.mark.parametrize("name", names())
 def test_no_notebook_in_git_holds_outputs(name):
     notebook = nbformat.read(paths.NOTEBOOKS / f"{name}.ipynb", 4)
     assert strip_output(deepcopy(notebook), keep_output=False, keep_count=False, keep_id=True) == notebook

@@ -13,8 +13,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from move.figures import tables
-from move.figures.page import printed
+from move.figures.page.make import make
 from move.figures.plots import real as real_plots
 from move.figures.plots import real_figures, style
 from move.realworld import tracking, workspace
@@ -22,6 +21,7 @@ from move.realworld.episode import RobotEpisode
 from move.realworld.frames import Frames
 from move.realworld.piper import forward_kinematics
 from move.realworld.trials import real_table
+from move.study.profiles import Profile
 
 
 def episode(xy, gripper=None, method="move", index=0, frames=None):
@@ -188,16 +188,14 @@ def test_speed_dots_one_dot_an_episode():
     plt.close(figure)
 
 
-def test_tables_and_pictures_are_written_the_same_twice(tmp_path):
+def test_table_3_is_written_the_same_twice(tmp_path, monkeypatch):
     contents = []
     for name in ("a", "b"):
-        figure, ax = plt.subplots()
-        real_plots.success_cells(real_table(), ax)
-        style.save(figure, "t", tmp_path / name)
-        printed.save(real_table(), "table3_real", tmp_path / name, tables.printed_trials(real_table()))
-        plt.close(figure)
-        contents.append([(tmp_path / name / file).read_bytes()
-                         for file in ("t.pdf", "t.png", "table3_real.csv", "table3_real.tex")])
-    assert contents[0] == contents[1]
+        monkeypatch.setattr(Profile, "figures", property(lambda _, name=name: tmp_path / name))
+        make("table3_real", "laptop")
+        contents.append({file.name: file.read_bytes() for file in sorted((tmp_path / name).iterdir())})
+    assert contents[0] == contents[1] and len(contents[0]) == 5
     assert pd.read_csv(tmp_path / "a/table3_real.csv")["successes"].tolist() == [1, 7, 7, 11]
-    assert b"7/30" in contents[0][3] and b"9.9 to 42.3" in contents[0][3] and b"\\%" in contents[0][3]
+    printed = contents[0]["table3_real.tex"]
+    assert b"7/30" in printed and b"9.9 to 42.3" in printed and b"\\%" in printed
+

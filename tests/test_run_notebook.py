@@ -8,14 +8,14 @@ from nbclient.exceptions import DeadKernelError
 
 from move import paths
 from move.errors import BadInput
-from move.figures.page import parameters
+from move.figures.page import kernels, parameters
 from move.figures.page.changes import BY_COMMAND
-from move.study.profiles import load_profile
+from move.study.profiles import Profile, load_profile
 
 SMOKE = load_profile("smoke")
 
 
-class Kernels:
+class Starts:
     """Stands in for papermill: each start ends in the next of `ends`, an error or how many cells were executed."""
 
     def __init__(self, *ends: Exception | int) -> None:
@@ -37,72 +37,81 @@ def start(tmp_path, monkeypatch):
     """Run notebook `table4` with the given kernels; returns them and what came of it."""
     monkeypatch.setattr(paths, "BUILD", tmp_path)
 
-    def run(kernels: Kernels, name: str = "table4_hyperparameters", **given):
-        monkeypatch.setattr("papermill.execute_notebook", kernels)
+    def run(starts: Starts, name: str = "table4_hyperparameters", **given):
+        monkeypatch.setattr("papermill.execute_notebook", starts)
         return kernels.run_notebook(name, SMOKE, **given)
 
     return run
 
 
 def test_the_executed_copy_lies_under_build_and_the_profile_is_a_parameter(start, tmp_path):
-    kernels = Kernels(3)
-    assert start(kernels) == tmp_path / "notebooks/smoke/table4_hyperparameters.ipynb"
-    (one,) = kernels.started
+    starts = Starts(3)
+    assert start(starts) == tmp_path / "notebooks/smoke/table4_hyperparameters.ipynb"
+    (one,) = starts.started
     assert one["source"] == paths.NOTEBOOKS / "table4_hyperparameters.ipynb" and one["cwd"] == paths.NOTEBOOKS
     assert one["parameters"]["profile"] == "smoke" and one["kernel_name"] == "python3"
 
 
 def test_a_readers_changes_come_after_the_profiles_own_parameters(start):
-    kernels = Kernels(3)
-    start(kernels, "table1_spatial_factors", changes={"seeds": 4}, stored_only=True)
-    (one,) = kernels.started
-    own = SMOKE.parameters("table1_spatial_factors")
-    assert one["parameters"] == {**own, "seeds": 4, "profile": "smoke"} and own["seeds"] != 4
+    starts = Starts(3)
+    start(starts, "table1_spatial_factors", changes={"seeds": 4}, stored_only=True)
+    (one,) = starts.started
+    own = parameters.parameters("table1_spatial_factors", SMOKE)
+    given = {**own, "seeds": 4, "profile": "smoke"}
+    assert one["parameters"] == {key: list(value) if isinstance(value, tuple) else value
+                                 for key, value in given.items()} and own["seeds"] != 4
+
+
+def test_a_list_is_a_list_in_the_kernel(start):
+    starts = Starts(3)
+    start(starts, "statistics")
+    assert starts.started[0]["parameters"]["seeds"] == [1, 2, 3, 5]  # papermill writes a tuple as a text
 
 
 @pytest.mark.parametrize("stored_only", [True, False])
 def test_a_kernel_knows_who_started_it_and_nobody_after_it_does(start, monkeypatch, stored_only):
     monkeypatch.delenv(BY_COMMAND, raising=False)
     monkeypatch.setenv("MOVE_STORED_ONLY", "0")
-    kernels = Kernels(3)
-    start(kernels, stored_only=stored_only)
-    assert kernels.started[0]["environment"] == {BY_COMMAND: "1", "MOVE_STORED_ONLY": "1" if stored_only else "0"}
+    starts = Starts(3)
+    start(starts, stored_only=stored_only)
+    assert starts.started[0]["environment"] == {BY_COMMAND: "1", "MOVE_STORED_ONLY": "1" if stored_only else "0"}
     assert BY_COMMAND not in os.environ and os.environ["MOVE_STORED_ONLY"] == "0"
 
 
 @pytest.mark.parametrize("death", [DeadKernelError("Kernel died"), RuntimeError("no port"), 2])
 def test_a_kernel_that_dies_is_started_once_more_and_then_told_with_the_executed_copy(start, death):
-    assert start(Kernels(death, 3)).name == "table4_hyperparameters.ipynb"
-    kernels = Kernels(death, death)
+    assert start(Starts(death, 3)).name == "table4_hyperparameters.ipynb"
+    starts = Starts(death, death)
     with pytest.raises(kernels.NotebookFailed) as told:
-        start(kernels)
-    assert len(kernels.started) == 2 and str(kernels.started[0]["executed"]) in str(told.value)
+        start(starts)
+    assert len(starts.started) == 2 and str(starts.started[0]["executed"]) in str(told.value)
     assert ("before the last cell" if death == 2 else str(death)) in str(told.value)
 
 
 def test_what_is_wrong_in_a_cell_is_not_tried_again(start, monkeypatch):
     from papermill.exceptions import PapermillExecutionError
 
-    kernels = Kernels(PapermillExecutionError(1, 1, "source", "KeyError", "'a'", []), 3)
+    starts = Starts(PapermillExecutionError(1, 1, "source", "KeyError", "'a'", []), 3)
     with pytest.raises(kernels.NotebookFailed, match="KeyError: 'a'"):
-        start(kernels)
-    assert len(kernels.started) == 1 and BY_COMMAND not in os.environ
+        start(starts)
+    assert len(starts.started) == 1 and BY_COMMAND not in os.environ
 
 
 def test_a_parameter_that_the_notebook_does_not_have_starts_no_kernel(start):
-    kernels = Kernels(3)
+    starts = Starts(3)
     with pytest.raises(BadInput, match="has no parameter budget"):
-        start(kernels, changes={"budget": 5})
+        start(starts, changes={"budget": 5})
     with pytest.raises(BadInput, match="nothing_like_it"):
-        start(kernels, "nothing_like_it")
-    assert not kernels.started
+        start(starts, "nothing_like_it")
+    assert not starts.started
 
 
 def test_the_runs_that_are_watched_are_those_without_a_result_each_once(tmp_path, monkeypatch):
     monkeypatch.setattr(Profile, "results", property(lambda profile: tmp_path))
-    name, change = "table1_spatial_factors", {"seeds": 2, "profile": "smoke"}
+    name, change = "table1_spatial_factors", {"seeds": 2}
     wanted = list(dict.fromkeys(spec.hash for spec in parameters.specs(name, SMOKE, {"seeds": 2})))
-    assert notebooks._missing(name, SMOKE, change) == wanted and len(wanted) > len(notebooks._missing(name, SMOKE, {}))
+    assert kernels.missing_runs(name, SMOKE, change) == wanted
+    assert len(wanted) > len(kernels.missing_runs(name, SMOKE, {}))
     (tmp_path / f"{wanted[0]}.json").write_text("{}")
-    assert notebooks._missing(name, SMOKE, change) == wanted[1:]
-    assert notebooks._missing("table4_hyperparameters", SMOKE, {}) == [], "which needs no runs"
+    assert kernels.missing_runs(name, SMOKE, change) == wanted[1:]
+    assert kernels.missing_runs("table4_hyperparameters", SMOKE, {}) == [], "which needs no runs"

@@ -6,7 +6,16 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from move.figures import fig4_scaling, fig6_dimensions, fig7_speed, fig_mixture, fig_speed_law, table2_main, tables
+from move.figures import (
+    fig4_scaling,
+    fig6_dimensions,
+    fig7_speed,
+    fig_mixture,
+    fig_speed_law,
+    table1_spatial_factors,
+    table2_main,
+    tables,
+)
 from move.figures.page import parameters
 from move.sim.collect import Collection, collect
 from move.sim.motion.wrappers import Motions
@@ -76,7 +85,7 @@ def test_figure_7_varies_one_speed_and_leaves_the_others():
         changed = {name for name in vars(usual) if name.endswith("_speed")
                    and not math.isclose(getattr(used, name), getattr(usual, name))}
         part, speed = run.labels["part"], run.labels["speed"]
-        assert changed == (set() if speed == variants.USUAL[part] else {f"{part}_speed"})
+        assert changed == (set() if speed == fig7_speed.USUAL[part] else {f"{part}_speed"})
         shown = getattr(used, f"{part}_speed")
         assert math.isclose(math.degrees(shown) if part == "camera" else shown, speed)
 
@@ -99,7 +108,7 @@ def test_laws_are_held_against_the_papers():
                           "success": trial < 100 * rate}
                          for law, rate in [("static", 0.2), ("beta", 0.5), ("uniform", 0.4), ("constant", 0.6)]
                          for seed in range(2) for trial in range(100)])
-    table = variants.law_table(rows)
+    table = fig_speed_law.law_table(rows)
     assert list(zip(table.law, table.baseline, table.difference.round(3), strict=True)) == [
         ("uniform", "beta", -0.1), ("constant", "beta", 0.1)]
 
@@ -118,7 +127,7 @@ def episodes(**rates) -> pd.DataFrame:
 
 
 def test_each_rung_is_held_against_the_one_before_and_each_motion_alone_against_nothing():
-    table = variants.step_table(episodes(nothing=0.2, object=0.3, both=0.7, camera_alone=0.5))
+    table = fig6_dimensions.step_table(episodes(nothing=0.2, object=0.3, both=0.7, camera_alone=0.5))
     assert list(zip(table.moves, table.baseline, table.difference.round(3), strict=True)) == [
         ("object", "nothing", 0.1), ("both", "object", 0.4), ("camera alone", "nothing", 0.3)]
     assert (table.holm >= table.p).all()
@@ -128,11 +137,11 @@ def test_what_every_random_factor_costs_static_is_held_against_the_object_alone(
     rows = pd.concat([episodes(object=rates[0]).assign(factors=factors, method=method)
                       for factors, *rates in (("object", 0.9), ("object+target", 0.8), ("all", 0.5))
                       for method in ("static", "move")])
-    table = variants.factor_table(rows)
+    table = table1_spatial_factors.factor_table(rows)
     assert list(zip(table.method, table.factors, table.baseline, table.difference.round(3), strict=True)) == [
         ("static", "object+target", "object", -0.1), ("static", "all", "object", -0.4)]
     assert (table.low < table.difference).all() and (table.high > table.difference).all() and table.holm[1] < 0.01
-    assert variants.factor_table(rows[rows.factors != "object"]).empty
+    assert table1_spatial_factors.factor_table(rows[rows.factors != "object"]).empty
 
 
 def test_an_efficiency_table_has_a_row_only_where_both_curves_are():
@@ -142,9 +151,9 @@ def test_an_efficiency_table_has_a_row_only_where_both_curves_are():
                                              ("push", "move", 10_000, 0.3), ("push", "move", 20_000, 0.4),
                                              ("hammer", "static", 20_000, 0.5), ("hammer", "move", 20_000, 0.5)]
             for trial in range(100)]
-    table = efficiency.efficiency_table(pd.DataFrame(rows), 20_000)
+    table = fig4_scaling.efficiency_table(pd.DataFrame(rows), 20_000)
     assert list(table.task) == ["push"] and np.isclose(table.ratio[0], 1)
-    assert "Push 1" in efficiency.spoken_efficiency(table)
+    assert "Push 1" in fig4_scaling.spoken_efficiency(table)
 
 
 def test_the_papers_points_stand_at_the_papers_budgets():

@@ -14,8 +14,9 @@ from pydantic import ValidationError
 
 from move import paper, paths
 from move.errors import BadInput
-from move.figures import generalization, table2_main
+from move.figures import generalization, names, table2_main, table_recipe
 from move.figures.page import kernels, parameters
+from move.figures.page.data import load_or_run
 from move.learn.agents import Expert, Nothing, PolicyAgent, Random
 from move.learn.evaluate import evaluate
 from move.learn.evaluation import Evaluation, starts
@@ -367,7 +368,7 @@ def test_the_plan_counts_a_shared_training_once(tmp_path, monkeypatch):
     monkeypatch.setattr(Profile, "results", property(lambda profile: tmp_path))
     profile = load_profile("laptop")
     table_2 = table_2_from_pixels(profile, seeds=1)
-    gap = [run.spec for run in generalization.runs(profile)]
+    gap = [run.spec for run in generalization.runs(profile, tasks=paper.PAPER_TASKS, seeds=(0,))]
     rows = plan_rows(profile, {"table 2": table_2, "difference": gap})
     minutes = profile.minutes["rgb"]
     assert rows[0]["hours_left"] == pytest.approx(30 * minutes / 60, abs=0.01)
@@ -503,7 +504,7 @@ def test_the_recipe_is_judged_by_static_alone_where_it_learnt_one_change_at_a_ti
     assert [run.spec for run in runs] == specs
     for budget in (7000, 20_000):
         changes = [run.labels["change"] for run in runs if run.labels["timesteps"] == budget]
-        assert changes == [*experiments.RECIPE_CHANGES, "0.67 times as long", "3 times as long"]
+        assert changes == [*table_recipe.RECIPE_CHANGES, "0.67 times as long", "3 times as long"]
 
 
 def test_the_recipe_that_is_judged_is_the_one_of_the_figures():
@@ -518,7 +519,7 @@ def test_the_recipe_that_is_judged_is_the_one_of_the_figures():
 
 def test_generalization_tries_the_policies_of_table_2_at_their_own_grasps_and_in_motion():
     profile = load_profile("laptop")
-    specs = [run.spec for run in generalization.runs(profile)]
+    specs = [run.spec for run in generalization.runs(profile, tasks=paper.PAPER_TASKS, seeds=(0,))]
     elsewhere, own, moving = ([spec for spec in specs if spec.evaluation.starts == layout]
                               for layout in ("random", "grasp", "moving"))
     table_2 = table_2_from_pixels(profile, seeds=1)
@@ -586,12 +587,12 @@ PIXELS_ALONE = ("fig4_scaling", "fig6_dimensions", "fig7_speed", "fig_coverage",
 
 
 def test_a_profile_leaves_the_notebooks_out_that_have_nothing_to_show_in_it():
-    assert set(kernels.of_profile(load_profile("laptop"))) == set(notebooks.names())
-    assert set(notebooks.names()) - set(kernels.of_profile(load_profile("paper"))) == {"table_recipe"}
-    left_out = set(notebooks.names()) - set(kernels.of_profile(load_profile("laptop-keypoints")))
+    assert set(kernels.of_profile(load_profile("laptop"))) == set(names())
+    assert set(names()) - set(kernels.of_profile(load_profile("paper"))) == {"table_recipe"}
+    left_out = set(names()) - set(kernels.of_profile(load_profile("laptop-keypoints")))
     assert left_out == {"table_recipe", "generalization", "fig_training_length", "gap", *PIXELS_ALONE}
     with pytest.raises(BadInput, match="profile paper: has no runs of this figure"):
-        page.load_or_run([], load_profile("paper"))
+        load_or_run([], load_profile("paper"), paths.BUILD)
 
 
 # policies ------------------------------------------------------------------------------------------------------------

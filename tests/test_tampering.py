@@ -9,6 +9,7 @@ import pytest
 import recipes
 
 from move.errors import BadInput
+from move.figures.page import data
 from move.learn.evaluation import Evaluation
 from move.sim.collect import Collection
 from move.study import execute, plan, results, run, stored, verify
@@ -172,7 +173,7 @@ def test_one_bad_file_is_one_bad_file(honest, folder, change, reason, monkeypatc
     (row,) = plan.plan_rows(profile, {"figure": specs})
     checked = {line["file"]: line for line in verify.check_files(folder)}
     monkeypatch.setenv("MOVE_STORED_ONLY", "1")
-    drawn = page.load_or_run([LabelledRun(one, {}) for one in specs], profile)
+    drawn = data.load_or_run([LabelledRun(one, {}) for one in specs], profile, folder)
     if reason is None:
         assert len(there) == 2 and row["why"] == "complete" and checked[path.name]["same"]
         assert "MISSING" not in drawn.source

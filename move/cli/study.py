@@ -165,11 +165,11 @@ def figure(
         refuse_unwritable(place / "figure.png")
     from move.figures.page import kernels
     from move.figures.page.changes import change
-    from move.figures.page.parameters import parameters as check
+    from move.figures.page.parameters import runs
 
     names = names or kernels.of_profile(chosen)
     for name in names:  # all of them are checked before the first one runs
-        check(name, chosen, changes)
+        runs(name, chosen, changes)
     rows: list[dict[str, Any]] = []
     failed: list[str] = []
     with progress("figures") as report:

@@ -14,6 +14,7 @@ from move.figures.page.captions import Words
 from move.figures.page.data import Data
 from move.figures.plots import real_figures
 from move.figures.plots.style import NAMES
+from move.figures.tables import as_markdown
 
 if TYPE_CHECKING:
     from move.realworld import RobotDataSet
@@ -93,7 +94,7 @@ def answer(tables: dict[str, pd.DataFrame], data: Data) -> dict[str, str]:
     objects = "; ".join(
         f"{NAMES[method]}: in {len(rows)} frames the orange was seen in {tracking.seen_share(rows):.0%} of the image's "
         "cells" for method, rows in workspace.equal_budget(places).groupby("method"))
-    return {"fig8_real_setup": "; ".join(filter(None, (ways, workspace.why_no_positions(demos.episodes)))),
+    return {"fig8_real_setup": "; ".join(filter(None, (ways, as_markdown(workspace.why_no_positions(demos.episodes))))),
             "fig8_object_places": objects or "Nothing to compare"}
 
 
