@@ -39,7 +39,8 @@ class Evidence:
         self.profile = profile
         self.episodes = cache(self._episodes)  # by experiment: all stored episodes
         self.asked = cache(self._asked)  # by experiment: one row a run, stored or not
-        self._known, self._stored = cache(self._law), cache(self._read)
+        self.stored = cache(self._read)  # by experiment and hash: the stored results
+        self._known = cache(self._law)
 
     def rows(self, experiment: str, *wheres: Where) -> pd.DataFrame:
         """The episodes of an experiment where the columns have these values."""
@@ -66,7 +67,7 @@ class Evidence:
 
     def design(self, experiment: str, sides: Sequence[pd.DataFrame]) -> Design | None:
         """What a difference of two sides was measured with, and what its runs cost; None without their times."""
-        spent = [[result.seconds for result in self._stored(experiment).values() if result.spec.hash in set(rows.run)]
+        spent = [[result.seconds for result in self.stored(experiment).values() if result.spec.hash in set(rows.run)]
                  for rows in sides]
         if not all(spent):
             return None
@@ -86,7 +87,7 @@ class Evidence:
         return {result.spec.hash: result for result in split(specs, self.profile.results)[0]}
 
     def _episodes(self, experiment: str) -> pd.DataFrame:
-        stored = self._stored(experiment)
+        stored = self.stored(experiment)
         found = table([replace(stored[run.spec.hash], labels=run.labels)
                        for run in runs(experiment, self.profile) if run.spec.hash in stored])
         if found.empty:
@@ -101,7 +102,7 @@ class Evidence:
     def _minutes_a_step(self) -> float:
         """Core-minutes of a run for each gradient step, the median of table 2's from pixels."""
         spent = [sum(result.seconds.values()) / 60 / result.spec.training.gradient_steps
-                 for result in self._stored("table2_main").values()
+                 for result in self.stored("table2_main").values()
                  if result.spec.training and result.spec.observation == "rgb"]
         return median(spent) if spent else 0.0
 
@@ -109,7 +110,7 @@ class Evidence:
     @cached_property
     def _minutes_without_training(self) -> float:
         """Core-minutes of a run that only collects, the median of table 6's."""
-        spent = [sum(result.seconds.values()) / 60 for result in self._stored("table6_collection").values()]
+        spent = [sum(result.seconds.values()) / 60 for result in self.stored("table6_collection").values()]
         return median(spent) if spent else 0.0
 
 

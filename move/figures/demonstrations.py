@@ -13,28 +13,28 @@ from move.figures.page.make import steps
 from move.figures.page.parameters import Pixels, RandomSeed, TaskName
 from move.figures.plots.style import NAMES
 from move.machine import gl_problem
-from move.paper import PAPER_METHODS, PAPER_TASKS
+from move.paper import PAPER_METHODS
+
+SIMULATES = True
 
 
 def seen(
-    data: Data, *, tasks: tuple[TaskName, ...] = (), image_size: Pixels = 320, shown: TaskName = "pick-place",
-    seed: RandomSeed = 0,
+    data: Data, *, tasks: tuple[TaskName, ...] = ("pick-place",), image_size: Pixels = 320, seed: RandomSeed = 0,
 ) -> dict[str, Path]:
     """Task -> its film, which is written.
 
     Args:
-        tasks: such as ["hammer"]; empty: all ten.
+        tasks: whose demonstrations are filmed; a film takes some seconds.
         image_size: pixels along a side.
-        shown: whose film is shipped; the others go to build/films.
     """
     from move.figures.plots import film
 
     films = {}
-    for task in steps([] if gl_problem() else tasks or PAPER_TASKS, "tasks"):
+    for task in steps([] if gl_problem() else tasks, "tasks"):
         three = [film.titled(film.demonstration_frames(film.demonstration(task, method, image_size), seed),
                              NAMES[method], task, "success") for method in PAPER_METHODS]
-        path = data.folder / "demonstrations.mp4" if task == shown else paths.BUILD / "films" / f"{task}.mp4"
-        films[task] = film.write_film(film.side_by_side(three), path)
+        ending = "" if task == "pick-place" else f"_{task}"
+        films[task] = film.write_film(film.side_by_side(three), data.folder / f"demonstrations{ending}.mp4")
     return films
 
 
@@ -45,11 +45,8 @@ def tables(data: Data) -> dict[str, pd.DataFrame]:
 
 def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
     """How many films there are, and where."""
-    size = sum(path.stat().st_size for path in data.seen.values()) / 1e6
-    return gl_problem() or (
-        f"{len(data.seen)} films, {size:.1f} MB in all: the one shown in "
-        f"`{(data.folder / 'demonstrations.mp4').relative_to(paths.ROOT)}`, the others in `build/films`. A film is "
-        "about three times slower than real.")
+    films = ", ".join(f"`{path.relative_to(paths.ROOT)}`" for path in data.seen.values())
+    return gl_problem() or f"{films or 'No film'}. A film is about three times slower than real."
 
 
 WORDS = Words()

@@ -21,6 +21,8 @@ from move.paper import PAPER_METHODS
 from move.sim.collection import Collection
 from move.sim.tasks import TASKS, get_task
 
+SIMULATES = True
+
 Strips = Mapping[str, tuple[np.ndarray, Sequence[int]]]  # title -> frames (count, size, size, 3), their timesteps
 LONGEST = 40  # timesteps of a strip
 

@@ -21,7 +21,9 @@ from move.study.axes import budgets
 from move.study.kinds import policy_run
 from move.study.labels import LabelledRun, distinct, grid
 from move.study.profiles import Profile
-from move.study.spec import PolicyRun
+from move.study.spec import PolicyRun, RunSpec
+
+COVERED = ("joint", "object", "target", "camera")
 
 
 def runs(
@@ -46,21 +48,27 @@ def seen(data: Data, *, covered_timesteps: Count = 5000) -> pd.DataFrame:
     """One row a task and what moves in its data: success with its interval, and shares of cells that the data visit.
 
     Columns task, moves, method, value, low, high; object, target, camera and joint (object position and camera angle
-    together), measured on the first seed's data, of which the first timesteps are collected again without images.
+    together), of the first seed's data. Where a result does not say so, its first timesteps are collected again.
     """
-    from move.sim import coverage  # imports the simulator
-
-    first = {(result.spec.task, result.labels["moves"]): result.spec for result in reversed(data.results)
+    first = {(result.spec.task, result.labels["moves"]): result for result in reversed(data.results)
              if isinstance(result.spec, PolicyRun)}
     shares = []
-    for (task, moves), spec in steps(first.items(), "collections"):
-        fewer = spec.collection.model_copy(update={
-            "timesteps": min(covered_timesteps, spec.collection.timesteps), "observation": "keypoints"})
-        found = coverage.configurations(fewer, spec.seed)
-        shares.append({"task": task, "moves": moves, "joint": coverage.visited_joint_share(found, get_task(task)),
-                       **{part: coverage.visited_share(found, get_task(task), part) for part in coverage.PARTS}})
+    for (task, moves), result in steps(first.items(), "collections"):
+        stored = (result.collection or {}).get("covered") or {}
+        found = stored.get(str(covered_timesteps)) or _collected_again(result.spec, covered_timesteps)
+        shares.append({"task": task, "moves": moves, **{part: found.get(part) for part in COVERED}})
     rates = rate_table(data.episodes, ["task", "moves", "method"], data.noise())
     return rates.merge(pd.DataFrame(shares), on=["task", "moves"])
+
+
+def _collected_again(spec: RunSpec, timesteps: int) -> dict[str, float]:
+    """The shares that the first so many timesteps of a run's data cover, collected without images."""
+    from move.sim import coverage  # imports the simulator
+
+    assert spec.collection is not None
+    fewer = spec.collection.model_copy(update={"timesteps": min(timesteps, spec.collection.timesteps),
+                                               "observation": "keypoints"})
+    return coverage.shares(coverage.configurations(fewer, spec.seed), get_task(spec.task))
 
 
 def tables(data: Data) -> dict[str, pd.DataFrame]:

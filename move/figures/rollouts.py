@@ -25,6 +25,8 @@ from move.study.labels import LabelledRun, grid
 from move.study.profiles import Profile
 from move.study.spec import PolicyRun
 
+SIMULATES = True
+
 OUTCOMES = {True: "success", False: "failure"}
 COLUMNS = ["method", "episode", "outcome", "in the evaluation", "steps"]
 

@@ -30,6 +30,7 @@ from move.sim.tasks.task import EPISODE_STEPS, SUCCESS_STEPS
 STREAM = 1  # first word of every collection seed: no other part of the package draws from it
 HAND = 1  # second word of the seed that draws a hand's start, beside what the scene draws from the same attempt
 GRASP_TOLERANCE = 0.002  # metres between the prescribed grasp point and where the object stood when grasped
+SEEN = 5000  # timesteps of a collection whose configurations its record keeps; more, and nearly all is covered
 PATIENCE = 50  # failed attempts in a row after which a collection is given up
 
 
@@ -50,10 +51,12 @@ class CollectionRecord:
     starts: list[SpatialConfiguration]  # of the kept demonstrations, in order
     grasps: list[SpatialConfiguration]  # the same demonstrations at the step of the grasp, or of the first touch
     jumps: list[int]  # ADC's jumps of object and target in each of the same demonstrations; 0 for the other methods
+    seen: list[tuple[str, SpatialConfiguration]]  # phase and configuration of the first `SEEN` timesteps
 
     def content(self) -> dict:
-        """The record as JSON holds it; configurations in columns, to a micrometre and a microradian."""
-        return {**vars(self), "starts": _columns(self.starts), "grasps": _columns(self.grasps)}
+        """The record as JSON holds it, without `seen`; configurations in columns, to a micrometre and a microradian."""
+        stored = {name: value for name, value in vars(self).items() if name != "seen"}
+        return {**stored, "starts": _columns(self.starts), "grasps": _columns(self.grasps)}
 
 
 def _columns(configurations: list[SpatialConfiguration]) -> dict[str, list[float]]:
@@ -218,6 +221,7 @@ class _Kept:
         self.starts: list[SpatialConfiguration] = []
         self.grasps: list[SpatialConfiguration] = []  # every kept demonstration has one
         self.jumps: list[int] = []
+        self.seen: list[tuple[str, SpatialConfiguration]] = []
 
     def add(self, episode: Episode) -> None:
         if not self.ends:
@@ -232,6 +236,7 @@ class _Kept:
         self.starts.append(episode.start)
         self.grasps += [episode.grasp] if episode.grasp else []
         self.jumps.append(episode.jumps)
+        self.seen += episode.seen[: min(place.stop, SEEN) - min(place.start, SEEN)]
 
     def record(self, attempts: int, seconds: float) -> CollectionRecord:
         """What it cost to keep these."""
@@ -246,7 +251,9 @@ class _Kept:
             starts=self.starts,
             grasps=self.grasps,
             jumps=self.jumps,
+            seen=self.seen,
         )
+
 
 def record_attributes(collection: Collection, seed: int, record: CollectionRecord) -> dict:
     """What is stored beside a data set: how it was made and what it cost."""

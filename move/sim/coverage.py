@@ -6,18 +6,21 @@ visited, for the object's place, the target's place and the camera's angle.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import gymnasium
 import numpy as np
 import pandas as pd
 
-from move.sim.collect import Collection, attempts
+from move.sim.collect import Collection, CollectionRecord, attempts
+from move.sim.configuration import SpatialConfiguration
 from move.sim.tasks import Task
 
 SIDE = 10  # cells along each axis of a place
 ANGLES = 20  # cells of the camera's range
 PARTS = ("object", "target", "camera")
+MEASURED = (2500, 5000)  # timesteps of a collection after which a result says what they cover
 
 
 def configurations(collection: Collection, seed: int, env: gymnasium.Env | None = None) -> pd.DataFrame:
@@ -34,6 +37,21 @@ def configurations(collection: Collection, seed: int, env: gymnasium.Env | None 
         if len(rows) >= collection.timesteps:
             break
     return pd.DataFrame(rows[: collection.timesteps]).assign(method=collection.method)
+
+
+def covered(record: CollectionRecord, task: Task) -> dict[str, dict[str, float]]:
+    """By number of timesteps, the shares of cells that the first so many of a collection visit: `shares` of each."""
+    return {str(timesteps): shares(_table(record.seen[:timesteps]), task) for timesteps in MEASURED}
+
+
+def shares(seen: pd.DataFrame, task: Task) -> dict[str, float]:
+    """Shares of the cells visited of each of `PARTS` that the task has, and of the "joint" cells."""
+    parts = [part for part in PARTS if task.has_target or part != "target"]
+    return {**{part: visited_share(seen, task, part) for part in parts}, "joint": visited_joint_share(seen, task)}
+
+
+def _table(seen: Sequence[tuple[str, SpatialConfiguration]]) -> pd.DataFrame:
+    return pd.DataFrame([{"phase": phase, **where.columns()} for phase, where in seen])
 
 
 def visited_share(seen: pd.DataFrame, task: Task, part: str) -> float:

@@ -23,6 +23,7 @@ from move.learn.evaluate import evaluate
 from move.learn.train import TrainingReport, train
 from move.machine import best_device, one_thread
 from move.paths import RUNS
+from move.sim import coverage
 from move.sim.collect import CollectionRecord, attempts, collect
 from move.sim.configuration import SpatialConfiguration
 from move.sim.motion.adc import Jumping
@@ -84,7 +85,8 @@ def _run(spec: RunSpec, folder: Path, on_progress: OnProgress | None, scratch: P
             policy, record, training = _learn(spec, report, seconds, scratch or RUNS)
             rows = _evaluate(spec, PolicyAgent(policy, spec.seed), spec.collection.observed, _own(spec, record), report,
                              seconds)
-            collected, trained = record.content(), asdict(training)
+            covered = coverage.covered(record, get_task(spec.task))
+            collected, trained = record.content() | {"covered": covered}, asdict(training)
     result = Result(spec, rows, collected, trained, {part: round(value, 2) for part, value in seconds.items()},
                     provenance(draws=spec.observation == "rgb"))
     store(result, folder)

@@ -52,7 +52,7 @@ class Rows(BaseModel):
 
 
 class Collected(BaseModel):
-    """The record of a collection; earlier versions had no starts, grasps and jumps."""
+    """The record of a collection; earlier versions had no starts, grasps, jumps and shares covered."""
 
     model_config = OPEN
 
@@ -66,6 +66,7 @@ class Collected(BaseModel):
     starts: dict[str, list[FiniteFloat] | FiniteFloat] | None = None
     grasps: dict[str, list[FiniteFloat] | FiniteFloat] | None = None
     jumps: list[NonNegativeInt] | None = None
+    covered: dict[str, dict[str, Rate]] | None = None  # by number of timesteps, see move.sim.coverage.covered
 
 
 class Trained(BaseModel):

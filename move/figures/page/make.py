@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import matplotlib.pyplot as plt
 import pandas as pd
+from matplotlib import rcParams
 from matplotlib.figure import Figure
+from PIL import Image as ImageFile
 
 from move import paths
 from move.figures import load
-from move.figures.page import captions, changes, printed
+from move.figures.page import captions, changes, kept, printed
 from move.figures.page.data import Data, load_or_run
 from move.figures.page.parameters import call, parameters, parts
 from move.figures.page.parameters import runs as runs_of
@@ -60,9 +63,14 @@ class Made:
         """
         from IPython.display import Image
 
-        figure = self.figures[name or self.name]
-        wide = min(WIDEST, round(100 * figure.get_figwidth() * 1.3))
-        return Image(filename=str(self.data.folder / f"{name or self.name}.png"), width=wide)
+        path = self.data.folder / f"{name or self.name}.png"
+        width = ImageFile.open(path).width / rcParams["savefig.dpi"]  # inches
+        return Image(filename=str(path), width=min(WIDEST, round(130 * width)))
+
+    @property
+    def films(self) -> list[Path]:
+        """The films beside the picture."""
+        return sorted(self.data.folder.glob(f"{self.name}*.mp4"))
 
     def table(self, suffix: str = "") -> Styler | pd.DataFrame:
         """A table as people read it.
@@ -89,6 +97,8 @@ def make(name: str, profile: str, **given: Any) -> Made:
     style.use_style()
     data = (load_or_run(runs_of(name, settings, given), settings, change.folder) if "runs" in functions
             else Data(settings, change.folder))
+    if (answers := kept.answers(name, data, chosen)) is not None:
+        return Made(name, data, kept.tables(name, data.folder), {}, {}, answers, change)
     if "seen" in functions:
         data = replace(data, seen=call(name, "seen", chosen, data))
     tables = call(name, "tables", chosen, data)
@@ -101,6 +111,7 @@ def make(name: str, profile: str, **given: Any) -> Made:
     layouts = call(name, "printed", chosen, *both) if "printed" in functions else {}
     made = Made(name, data, tables, layouts, figures, answers, change)
     _write(made, sources)
+    kept.keep(name, data, chosen, answers)
     return made
 
 

@@ -1,0 +1,70 @@
+"""Figures that simulate are made once: what was shipped is shown as long as it is made of the same things.
+
+Beside such a figure, `NAME.made.json` says what it was made of (its parameters, its runs, the policies that are there,
+the versions of what decides), what came out, and the sha256 of each of its files. A figure whose file says
+`SIMULATES = True` is made anew only if one of these differs.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from move.figures import load
+from move.figures.page.changes import plain
+from move.figures.page.data import Data
+from move.files import written_aside
+from move.study.provenance import deciding
+from move.study.spec import RESULTS_VERSION
+
+
+def keep(name: str, data: Data, chosen: Mapping[str, Any], answers: Mapping[str, str]) -> None:
+    """Note what a figure was made of, once it is written."""
+    if not getattr(load(name), "SIMULATES", False):
+        return
+    files = sorted(path for path in data.folder.glob(f"{name}*") if _is_of(path, name))
+    content = {"made_of": _made_of(data, chosen), "answers": dict(answers),
+               "files": {path.name: _digest(path) for path in files}}
+    with written_aside(data.folder / f"{name}.made.json") as beside:
+        beside.write_text(json.dumps(content, indent=1, sort_keys=True) + "\n", encoding="utf-8")
+
+
+def answers(name: str, data: Data, chosen: Mapping[str, Any]) -> dict[str, str] | None:
+    """What came out of a figure that would be made of the same things as the one that is there; None of any other."""
+    beside = data.folder / f"{name}.made.json"
+    if not getattr(load(name), "SIMULATES", False) or not beside.exists():
+        return None
+    try:
+        content = json.loads(beside.read_text(encoding="utf-8"))
+        same = content["made_of"] == _made_of(data, chosen) and all(
+            _digest(data.folder / file) == digest for file, digest in content["files"].items())
+        return content["answers"] if same else None
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):  # no such file, or not as `keep` writes it
+        return None
+
+
+def tables(name: str, folder: Path) -> dict[str, pd.DataFrame]:
+    """The tables of a figure as they were written."""
+    return {suffix: pd.read_csv(folder / f"{name}{'_' * bool(suffix)}{suffix}.csv")
+            for suffix in load(name).WORDS.tables}
+
+
+def _is_of(path: Path, name: str) -> bool:
+    return path.stem.split(".")[0] == name or (path.suffix == ".mp4" and path.stem.startswith(f"{name}_"))
+
+
+def _made_of(data: Data, chosen: Mapping[str, Any]) -> str:
+    versions = {name: version for name, version in deciding().items() if name != "source"}
+    policies = sorted(path.name for path in (data.profile.results / "policies").glob("*"))
+    parts = [plain(dict(chosen)), sorted(result.spec.hash for result in data.results), policies if data.runs else [],
+             versions, RESULTS_VERSION, data.profile.stamp]
+    return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()
+
+
+def _digest(path: Path) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()
