@@ -92,11 +92,8 @@ def test_what_is_shipped_is_read_and_what_is_new_is_stored_elsewhere(tmp_path, m
 
 
 def test_a_changed_notebook_runs_to_its_end_beside_what_is_shipped(tmp_path, monkeypatch):
-    monkeypatch.setenv("MOVE_ROOT", str(tmp_path))
-    monkeypatch.setenv("PYTHONPATH", str(paths.ROOT))
-    (tmp_path / "profiles").symlink_to(paths.PROFILES)
-    (tmp_path / "notebooks").symlink_to(paths.NOTEBOOKS)
     (tmp_path / "results").symlink_to(paths.ROOT / "results")
+    monkeypatch.setattr(paths, "ROOT", tmp_path)
     monkeypatch.setattr(paths, "BUILD", tmp_path / "build")
     kernels.run_notebook("statistics", LAPTOP, {"draws": 20}, stored_only=True)
     told = changes.change("statistics", LAPTOP, {"draws": 20})

@@ -4,14 +4,20 @@ import json
 import sys
 from pathlib import Path
 
+from move.figures.page.parameters import runs
 from move.sim import coverage
 from move.sim.tasks import get_task
+from move.study.profiles import load_profile
 from move.study.spec import run_spec_from_json
 from move.study.stored import DIGEST, from_bytes, with_digest
 
+LAPTOP = load_profile("laptop")
+WANTED = {run.spec.hash for run in runs("fig_coverage", LAPTOP) if run.spec.seed == 0} | {
+    run.spec.hash for name in ("table_keypoint_control", "table_adc") for run in runs(name, LAPTOP)
+    if run.spec.task == "pick-place" and run.spec.observation == "keypoints" and run.spec.collection}
 known: dict = {}
 for folder in sys.argv[1:]:
-    for path in sorted(Path(folder).glob("*.json")):
+    for path in [Path(folder, f"{name}.json") for name in sorted(WANTED) if Path(folder, f"{name}.json").exists()]:
         raw = path.read_bytes()
         content = json.loads(b"{" + raw[DIGEST.match(raw).end():])
         if not content["collection"] or content["collection"].get("covered"):

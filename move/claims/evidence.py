@@ -67,8 +67,8 @@ class Evidence:
 
     def design(self, experiment: str, sides: Sequence[pd.DataFrame]) -> Design | None:
         """What a difference of two sides was measured with, and what its runs cost; None without their times."""
-        spent = [[result.seconds for result in self.stored(experiment).values() if result.spec.hash in set(rows.run)]
-                 for rows in sides]
+        stored = self.stored(experiment)
+        spent = [[stored[run].seconds for run in rows.run.unique() if run in stored] for rows in sides]
         if not all(spent):
             return None
         noise = self.noise(experiment)
