@@ -63,8 +63,8 @@ class Made:
         """
         from IPython.display import Image
 
-        path = self.data.folder / f"{name or self.name}.png"
-        width = ImageFile.open(path).width / rcParams["savefig.dpi"]  # inches
+        path, drawn = self.data.folder / f"{name or self.name}.png", self.figures.get(name or self.name)
+        width = drawn.get_figwidth() if drawn else ImageFile.open(path).width / rcParams["savefig.dpi"]  # inches
         return Image(filename=str(path), width=min(WIDEST, round(130 * width)))
 
     @property
