@@ -1,4 +1,4 @@
-"""Add to stored results what their data cover: each collection is made again, without images, as far as it is counted."""
+"""Add to stored results what their data cover: each collection is made again, without images."""
 
 import json
 import sys

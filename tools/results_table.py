@@ -10,7 +10,7 @@ import pandas as pd
 
 from move import paper, paths
 from move.claims.quantities import half_width
-from move.figures.fig4_scaling import spoken_efficiency
+from move.figures.fig4_scaling import efficiency_text
 from move.figures.tables import difference_verdict, points
 from move.files import written_aside
 from move.statistics.verdicts import VERDICTS
@@ -46,7 +46,7 @@ def sentences() -> str:
     """Data efficiency (figure 4) and the ledger of claims, a line each."""
     counts = _read("claims").verdict.value_counts()
     told = "; ".join(f"{counts[name]} {name}" for name in VERDICTS if name in counts)
-    return (f"**Figure 4.** {spoken_efficiency(_read('fig4_scaling_efficiency'))}\n\n"
+    return (f"**Figure 4.** {efficiency_text(_read('fig4_scaling_efficiency'))}\n\n"
             f"**The paper's {counts.sum()} claims.** {told}.\n")
 
 

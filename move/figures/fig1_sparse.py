@@ -26,9 +26,9 @@ from move.figures.plots.style import PAGE_WIDTH, titles
 from move.figures.tables import (
     difference_table,
     rate_table,
+    rates_text,
     run_costs,
-    spoken_rates,
-    spoken_verdicts,
+    verdicts_text,
     with_paper,
 )
 from move.learn.evaluation import Evaluation
@@ -150,9 +150,9 @@ def by_hand(rates: pd.DataFrame, ax: Axes) -> None:
 def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
     """The paper's rates, those here by the hand's start with verdicts, and those at the points."""
     return (
-        f"**The paper:** over the whole space {spoken_rates(paper.published('fig1_sparse', 'success'))}. **Here**, by "
-        f"where the hand starts: {spoken_verdicts(tables['difference'], tables['hand'], 'hand')}. At the nine points "
-        f"themselves, hands anywhere: {spoken_rates(tables['points'])}. **How sure:** the intervals include how "
+        f"**The paper:** over the whole space {rates_text(paper.published('fig1_sparse', 'success'))}. **Here**, by "
+        f"where the hand starts: {verdicts_text(tables['difference'], tables['hand'], 'hand')}. At the nine points "
+        f"themselves, hands anywhere: {rates_text(tables['points'])}. **How sure:** the intervals include how "
         f"trainings and places differ; which of the three made the paper's figure cannot be known. {data.behind}")
 
 

@@ -13,7 +13,7 @@ from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Observation
 from move.figures.plots.panels import SEEN, methods_and_seeds
 from move.figures.plots.style import PAGE_WIDTH, titles
-from move.figures.tables import difference_table, joined, rate_table, spoken_difference
+from move.figures.tables import difference_table, difference_text, joined, rate_table
 from move.study.labels import LabelledRun
 from move.study.profiles import Profile
 
@@ -74,7 +74,7 @@ def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:
 def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
     """MOVE minus static in every experiment, from pixels and from keypoints."""
     names = {"rgb": "from pixels", "keypoints": "from keypoints"}
-    each = "; ".join(f"{row.experiment}, {names[seen]} {spoken_difference(row)}" for seen in names
+    each = "; ".join(f"{row.experiment}, {names[seen]} {difference_text(row)}" for seen in names
                      for row in tables.get(f"differences_{seen}", pd.DataFrame()).itertuples())
     return ("**The paper** has no results from keypoints. **Here:** MOVE minus static, "
             f"{each}. **How sure:** the words hold after Holm's adjustment for one kind of observation. {data.behind}")

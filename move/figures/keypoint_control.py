@@ -14,7 +14,7 @@ from move.figures.page.captions import DIFFERENCES, INTERVALS, RATES, Words
 from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Repeats
 from move.figures.plots.style import COLUMN_WIDTH, NAMES, titles
-from move.figures.tables import difference_means, difference_table, rate_table, spoken_differences
+from move.figures.tables import difference_means, difference_table, differences_text, rate_table
 from move.paper import PAPER_METHODS
 from move.sim.observe import IMAGE_SIZE
 from move.study.axes import floors_and_ceilings
@@ -78,7 +78,7 @@ def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
     floor = ", ".join(f"{NAMES[name]} {rate:.0%}" for name, rate in _controls(data).items())
     return (
         f"**The paper** has no results from keypoints; from images, at 20,000 timesteps: {theirs}. **Here, from "
-        f"keypoints:** {spoken_differences(tables['differences'], tables['differences_mean'])} Who learnt nothing: "
+        f"keypoints:** {differences_text(tables['differences'], tables['differences_mean'])} Who learnt nothing: "
         f"{floor or 'not computed yet'}. **How sure:** {data.behind}")
 
 

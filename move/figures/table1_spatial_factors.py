@@ -19,9 +19,9 @@ from move.figures.tables import (
     VARIANTS,
     as_columns,
     difference_table,
+    difference_text,
     rate_table,
     run_costs,
-    spoken_difference,
     with_holm,
     with_paper,
 )
@@ -86,7 +86,7 @@ def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
     rates = tables[""]
     fall = ", ".join(f"{NAMES[row.factors]} {row.value:.1%} (the paper {row.paper:.1%})"
                      for row in rates[rates.method == "static"].itertuples())
-    losses, leads = ("; ".join(f"{NAMES[row['factors']]}{colon} {spoken_difference(row)}"
+    losses, leads = ("; ".join(f"{NAMES[row['factors']]}{colon} {difference_text(row)}"
                                for _, row in tables[suffix].iterrows())
                      for suffix, colon in (("lost", ""), ("differences", ":")))
     printed = paper.published("table1_spatial_factors").set_index("condition").value

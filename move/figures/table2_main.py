@@ -18,11 +18,11 @@ from move.figures.tables import (
     controls,
     difference_means,
     difference_table,
+    differences_text,
     rate_table,
     run_costs,
-    spoken_differences,
-    spoken_tasks,
     tasks_table,
+    tasks_text,
     with_level,
     with_paper,
 )
@@ -112,8 +112,8 @@ def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
     means, noise = _means(tables), {seen: data.noise(seen) for seen in ("rgb", "keypoints")}
     ours, theirs = (", ".join(f"{NAMES[method]} {value:.1%}" for method, value in
                               zip(means.method, means[column], strict=True)) for column in ("value", "paper"))
-    seen = [f"{spoken_tasks(tables[_joined('over_tasks', ending)])} "
-            + spoken_differences(tables[_joined("differences", ending)], tables[_joined("differences", ending, "mean")])
+    seen = [f"{tasks_text(tables[_joined('over_tasks', ending)])} "
+            + differences_text(tables[_joined("differences", ending)], tables[_joined("differences", ending, "mean")])
             for ending in ("", "keypoints")]
     return (
         f"**The paper:** on the mean of ten tasks {theirs}, MOVE ahead on every task. **Here, from pixels:** on the "

@@ -19,10 +19,10 @@ from move.figures.tables import (
     controls,
     difference_means,
     difference_table,
+    differences_text,
     rate_table,
-    spoken_differences,
-    spoken_tasks,
     tasks_table,
+    tasks_text,
 )
 from move.paper import PAPER_METHODS, PAPER_TASKS
 from move.study.axes import floors_and_ceilings
@@ -84,8 +84,8 @@ def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
     means = ", ".join(f"{NAMES[row.method]} {row.value:.1%}" for row in _means(tables).itertuples())
     return (
         f"**The paper** has no results from keypoints. **Here, from keypoints:** means over "
-        f"{tables[''].task.nunique()} tasks {means}. {spoken_tasks(tables['over_tasks'])} "
-        f"{spoken_differences(tables['differences'], tables['differences_mean'])} **How sure:** {data.behind}")
+        f"{tables[''].task.nunique()} tasks {means}. {tasks_text(tables['over_tasks'])} "
+        f"{differences_text(tables['differences'], tables['differences_mean'])} **How sure:** {data.behind}")
 
 
 WORDS = Words(
