@@ -1,4 +1,4 @@
-"""Whole figures of the real-robot data, laid out from the pieces of `real_plots`; simulated data are stamped as such.
+"""Whole figures of the real-robot data, laid out from the pieces of `real`; simulated data are stamped as such.
 
 cells_figure    success and score of the four cells
 setup_figure    coverage, trajectories and frames of each method: figure 8
