@@ -1,6 +1,6 @@
-"""Places to write to: refused before the work where nothing can be written, filled aside, then renamed into place.
+"""Places to write to: refused before the work if nothing can be written, written to a temporary name, then renamed.
 
-What is written aside lies next to its place as .NAME.HOST.PROCESS.part, and what it replaces as .NAME.HOST.PROCESS.old
+What is being written lies next to its place as .NAME.HOST.PROCESS.part, and what it replaces as .NAME.HOST.PROCESS.old
 until the new one is in place. A process that is killed leaves them there; the next one that writes to the same place
 deletes them, or moves an old one back where the new one never came.
 """

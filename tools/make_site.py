@@ -146,7 +146,7 @@ def without_pictures(cell: NotebookNode) -> NotebookNode:
 
 
 def words(name: str) -> tuple[str, str, str]:
-    """Caption, what came out and alternative text of a shipped picture, as the file beside it has them."""
+    """Caption, what came out and alternative text of a shipped picture, as the file next to it has them."""
     beside = SHIPPED / f"{name}.caption.md"
     if not beside.exists():
         cell = nbformat.read(paths.NOTEBOOKS / f"{owner(name)}.ipynb", 4).cells[0]
@@ -167,7 +167,7 @@ def picture(name: str) -> str:
 
 
 def films(name: str) -> str:
-    """The shipped films of a notebook beside each other, looping."""
+    """The shipped films of a notebook side by side, looping."""
     parts = []
     for path in sorted(SHIPPED.glob(f"{name}*.mp4")):
         shutil.copy(path, SOURCE / "_static")
@@ -238,8 +238,8 @@ def start_page(listed: list[Path], documents: list[str], rooms: list[str]) -> st
     return "\n".join([
         "# MOVE, reproduced", "",
         "*MOVE: A Simple Motion-Based Data Collection Paradigm for Spatial Generalization in Robotic Manipulation* "
-        "(arXiv 2512.04813), rebuilt from nothing on a laptop without a GPU. Every number here comes from a stored "
-        "run, and each page says which.", "", "## What came out", "", results_table(), "", gallery(figures), "",
+        "(arXiv 2512.04813), reimplemented from scratch on a laptop without a GPU. Every number here comes from a "
+        "stored run, and each page says which.", "", "## What came out", "", results_table(), "", gallery(figures), "",
         f"## What became of the paper's {len(ledger)} claims", "",
         f"{counted}. A rule gives the verdicts; [how](figures/claims.ipynb).", "",
         *claims(ledger), "", *(tree(title, pages) for title, pages in trees if pages)])

@@ -141,7 +141,7 @@ def success_maps(episodes: pd.DataFrame, axes: Sequence[Axes]) -> None:
 
 
 def by_hand(rates: pd.DataFrame, ax: Axes) -> None:
-    """Static beside MOVE by where the hand starts; rates as `plots.grouped_rates` takes them, with the column hand."""
+    """Static next to MOVE by where the hand starts; rates as `plots.grouped_rates` takes them, with the column hand."""
     names = {"anywhere": "any-\nwhere", "within 3 cm": "within\n3 cm", "one place": "one\nplace"}
     plots.grouped_rates(rates, "hand", [names[hand] for hand in rates.hand.unique()], ax)
     legend_below(ax, [seed_dot()], 2, lines=2)

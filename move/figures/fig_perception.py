@@ -57,7 +57,7 @@ def tables(data: Data) -> dict[str, pd.DataFrame]:
 
 
 def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:
-    """Static beside MOVE in several experiments, from pixels and from keypoints."""
+    """Static next to MOVE in several experiments, from pixels and from keypoints."""
     rates = data.with_missing(tables[""], BY)
     kinds = list(rates.observation.unique())
     figure, axes = plt.subplots(1, len(kinds), figsize=(PAGE_WIDTH, 2.6), sharey=True, squeeze=False)

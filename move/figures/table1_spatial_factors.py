@@ -69,7 +69,7 @@ def factor_table(episodes: pd.DataFrame, known: TrainingNoise = UNKNOWN) -> pd.D
 
 
 def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:
-    """Static beside MOVE as more is random, and their difference."""
+    """Static next to MOVE as more is random, and their difference."""
     rates, differences = tables[""], tables["differences"]
     figure, axes = plt.subplots(1, 2, figsize=(PAGE_WIDTH, 2.4), width_ratios=[1.2, 1])
     plots.grouped_rates(rates, "factors", [NAMES[name] for name in rates.factors.unique()], axes[0])

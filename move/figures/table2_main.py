@@ -14,13 +14,13 @@ from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Seeds
 from move.figures.plots.style import NAMES, PAGE_WIDTH, titles
 from move.figures.tables import (
-    beside,
     controls,
     difference_means,
     difference_table,
     differences_text,
     rate_table,
     run_costs,
+    task_layout,
     tasks_table,
     tasks_text,
     with_level,
@@ -85,8 +85,8 @@ def _means(tables: dict[str, pd.DataFrame]) -> pd.DataFrame:
 
 
 def printed(tables: dict[str, pd.DataFrame], data: Data) -> dict[str, pd.DataFrame]:
-    """One row a task, for each method its rate and the paper's beside it; floor, ceiling, mean."""
-    return {"": beside(tables[""], controls(data.episodes), _means(tables))}
+    """One row a task, for each method its rate and the paper's; floor, ceiling, mean."""
+    return {"": task_layout(tables[""], controls(data.episodes), _means(tables))}
 
 
 def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:

@@ -15,12 +15,12 @@ from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Seeds
 from move.figures.plots.style import NAMES, PAGE_WIDTH, titles
 from move.figures.tables import (
-    beside,
     controls,
     difference_means,
     difference_table,
     differences_text,
     rate_table,
+    task_layout,
     tasks_table,
     tasks_text,
 )
@@ -66,7 +66,7 @@ def _means(tables: dict[str, pd.DataFrame]) -> pd.DataFrame:
 
 def printed(tables: dict[str, pd.DataFrame], data: Data) -> dict[str, pd.DataFrame]:
     """One row a task: each method's rate, floor, ceiling; the mean."""
-    return {"": beside(tables[""], controls(data.episodes), _means(tables))}
+    return {"": task_layout(tables[""], controls(data.episodes), _means(tables))}
 
 
 def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:

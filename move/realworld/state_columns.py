@@ -81,7 +81,7 @@ def words(name: str) -> list[str]:
 
 
 def _by_name(names: Sequence[str]) -> tuple[dict[str, Columns], int]:
-    """The arms that names tell apart, and how many columns are of none of them, speeds and efforts aside."""
+    """The arms that names tell apart, and how many columns are of none of them, apart from speeds and efforts."""
     limbs: dict[str, dict[tuple[str, str], int | None]] = {}
     name_words = [words(name) for name in names]
     for column, found in enumerate(name_words):

@@ -1,7 +1,7 @@
 """Figures that simulate are made once: what was shipped is shown as long as it is made of the same things.
 
-Beside such a figure, `NAME.made.json` says what it was made of (its parameters, its runs, the policies that are there,
-the versions of what decides), what came out, and the sha256 of each of its files. A figure whose file says
+Next to such a figure `NAME.made.json` says what it was made of (its parameters, its runs, the policies that are there,
+the versions of what decides), its answer, and the sha256 of each of its files. A figure whose file says
 `SIMULATES = True` is made anew only if one of these differs.
 """
 

@@ -23,7 +23,7 @@ SIMULATED_TEXT = "simulated data in the real layout"
 
 
 def cells_figure(table: pd.DataFrame) -> Figure:
-    """Lay out success and score of the four cells beside each other.
+    """Lay out success and score of the four cells side by side.
 
     Args:
         table: `trials.real_table`.

@@ -128,7 +128,7 @@ def _places(figure: Figure) -> np.ndarray:
 
 
 def save(figure: Figure, name: str, folder: Path, caption: Caption | None = None) -> None:
-    """Write `name`.pdf and `name`.png into `folder`, and their caption, which both of them also hold, beside them.
+    """Write `name`.pdf and `name`.png into `folder`, and their caption, which both of them also hold, next to them.
 
     Where both are there, whole, and nobody could see a difference they stay: two machines draw the same scene a level
     of brightness apart in a pixel or two.

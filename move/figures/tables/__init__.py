@@ -29,7 +29,6 @@ from move.figures.tables.differences import (
     with_holm,
 )
 from move.figures.tables.rates import (
-    beside,
     collection_costs,
     controls,
     demonstrations_made,
@@ -37,13 +36,14 @@ from move.figures.tables.rates import (
     printed_success,
     rate_table,
     run_costs,
+    task_layout,
     with_level,
     with_missing,
     with_paper,
 )
 
 __all__ = [
-    "COLUMNS", "LEVEL", "VARIANTS", "as_columns", "as_markdown", "beside", "collection_costs", "controls",
+    "COLUMNS", "LEVEL", "VARIANTS", "as_columns", "as_markdown", "task_layout", "collection_costs", "controls",
     "counts_text", "demonstrations_made", "difference_means", "difference_table", "difference_text",
     "difference_verdict", "differences_at", "differences_text", "grasp_points", "joined", "points",
     "printed_success", "rate_table", "rates_text", "readable", "reading_difference", "reading_differences",
