@@ -61,18 +61,18 @@ def written_aside(path: Path) -> Iterator[Path]:
     Raises:
         BadInput: it cannot be written, as on a full disk.
     """
-    beside, old = _aside(path, "part"), _aside(path, "old")
+    new, old = _aside(path, "part"), _aside(path, "old")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         put_away_remains(path)
-        yield beside
+        yield new
         if path.is_dir():
             os.replace(path, old)
-        os.replace(beside, path)
+        os.replace(new, path)
     except OSError as error:
         raise _cannot_write(path, error) from error
     finally:
-        _remove(beside)
+        _remove(new)
         if os.path.lexists(old):
             _settle(old, path)
 

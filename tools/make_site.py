@@ -93,11 +93,11 @@ def executed_copy(path: Path) -> NotebookNode:
 def is_of_today(executed: NotebookNode, notebook: NotebookNode) -> bool:
     """Whether an executed copy has the cells of the notebook, all run, under the profile's own parameters."""
     cells = [cell for cell in executed.cells if "injected-parameters" not in cell.metadata.get("tags", [])]
-    told = executed.metadata.get("papermill", {})
+    run_by = executed.metadata.get("papermill", {})
     same = [cell.source for cell in cells] == [cell.source for cell in notebook.cells]
     run = all(cell.execution_count for cell in cells if cell.cell_type == "code" and cell.source)
-    name = Path(told.get("input_path") or "none").stem
-    return same and run and not changes.change(name, PROFILE, told.get("parameters", {}))
+    name = Path(run_by.get("input_path") or "none").stem
+    return same and run and not changes.change(name, PROFILE, run_by.get("parameters", {}))
 
 
 def figure_page(name: str, executed: NotebookNode) -> NotebookNode:
@@ -147,13 +147,13 @@ def without_pictures(cell: NotebookNode) -> NotebookNode:
 
 def words(name: str) -> tuple[str, str, str]:
     """Caption, what came out and alternative text of a shipped picture, as the file next to it has them."""
-    beside = SHIPPED / f"{name}.caption.md"
-    if not beside.exists():
+    path = SHIPPED / f"{name}.caption.md"
+    if not path.exists():
         cell = nbformat.read(paths.NOTEBOOKS / f"{owner(name)}.ipynb", 4).cells[0]
         title = cell.source.split("\n")[0].strip("# ")
         return title, "", title
-    told = captions.read(beside)
-    return told.text, told.found, told.alt
+    caption = captions.read(path)
+    return caption.text, caption.found, caption.alt
 
 
 def picture(name: str) -> str:
@@ -251,9 +251,9 @@ def claims(ledger: pd.DataFrame) -> Iterator[str]:
     yield "|---|---|---|---|---|"
     for row in ledger.itertuples():
         open_ones = f"{row.evidence}; {row.needed}" if isinstance(row.needed, str) else row.evidence
-        told, evidence = (" ".join(str(text).split()).replace("|", "\\|").replace("[", "\\[")
+        claim, evidence = (" ".join(str(text).split()).replace("|", "\\|").replace("[", "\\[")
                           for text in (row.claim, open_ones))
-        yield (f"| {row.number} | {told} ({row.place}) | **{row.verdict}** | {evidence} | "
+        yield (f"| {row.number} | {claim} ({row.place}) | **{row.verdict}** | {evidence} | "
                f"[{row.figure}](figures/{row.figure}.ipynb) |")
 
 

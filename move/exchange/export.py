@@ -80,8 +80,8 @@ def export(data: Path, out: Path, form: str, clip_actions: bool = False, whole_e
     if form == "zarr":
         dataset.save(demonstrations, out, attributes)
     else:
-        with written_aside(out) as beside:
-            write_lerobot(demonstrations, beside, attributes)
+        with written_aside(out) as new:
+            write_lerobot(demonstrations, new, attributes)
     size = sum(path.stat().st_size for path in out.rglob("*") if path.is_file())
     return {"path": str(out), "format": form, "episodes": demonstrations.episodes,
             "timesteps": demonstrations.timesteps,

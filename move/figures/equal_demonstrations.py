@@ -70,7 +70,7 @@ def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
                        for row in made[made.equal == "demonstrations"].itertuples())
     return (
         f"**The paper** compares at equal timesteps. **Here:** {each or 'nothing is computed yet'}. Demonstrations "
-        f"where they were to be equal, mean of the seeds: {counts}. **How sure:** {data.behind}")
+        f"where they were to be equal, mean of the seeds: {counts}. **How sure:** {data.sample_size}")
 
 
 WORDS = Words(

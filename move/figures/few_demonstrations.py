@@ -71,7 +71,7 @@ def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
         '**The paper:** with fewer than ten demonstrations at each of the nine points, policies "usually failed to '
         f"learn\". **Here:** static succeeds at its own nine points {own or 'in nothing computed yet'}; it has "
         f"{counts or 'no'} demonstrations at each. Over the whole space MOVE minus static is "
-        f"{between or 'not computed yet'}. **How sure:** {data.behind}")
+        f"{between or 'not computed yet'}. **How sure:** {data.sample_size}")
 
 
 WORDS = Words(

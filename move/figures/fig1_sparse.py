@@ -153,7 +153,7 @@ def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
         f"**The paper:** over the whole space {rates_text(paper.published('fig1_sparse', 'success'))}. **Here**, by "
         f"where the hand starts: {verdicts_text(tables['difference'], tables['hand'], 'hand')}. At the nine points "
         f"themselves, hands anywhere: {rates_text(tables['points'])}. **How sure:** the intervals include how "
-        f"trainings and places differ; which of the three made the paper's figure cannot be known. {data.behind}")
+        f"trainings and places differ; which of the three made the paper's figure cannot be known. {data.sample_size}")
 
 
 MAPS = ("seen from above: a cell is one place of the object, its colour the number of seeds whose policy succeeds "

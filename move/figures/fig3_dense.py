@@ -92,7 +92,7 @@ def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
         f"**The paper:** {rates_text(paper.published('fig3_dense', 'success'))}. **Here**, by where the hand starts: "
         f"{verdicts_text(tables['difference'], tables['hand'], 'hand')}. By budget, hands anywhere: "
         f"{less or 'nothing to compare yet'}. **How sure:** near the ceiling no method can be ahead, so look at the "
-        f"smaller budgets. {data.behind}")
+        f"smaller budgets. {data.sample_size}")
 
 
 WORDS = Words(

@@ -161,7 +161,7 @@ def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
     return (
         "**The paper:** MOVE above static at every budget, up to 2 to 5 times the data efficiency on certain tasks. "
         f"**Here:** {efficiency_text(tables['efficiency'])} {equal_text(tables['equal'])}. **How sure:** a "
-        f"factor's interval knows trainings and configurations. {data.behind}")
+        f"factor's interval knows trainings and configurations. {data.sample_size}")
 
 
 def efficiency_text(table: pd.DataFrame) -> str:

@@ -82,7 +82,7 @@ def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
     return (
         f"**The paper:** {theirs}. **Here:** {verdicts_text(compared, by_place, 'place')}. At the twenty grasp "
         f"points themselves, hands anywhere: {own or 'not computed yet'}. **How sure:** the words hold after Holm's "
-        f"adjustment for both parts. {data.behind}")
+        f"adjustment for both parts. {data.sample_size}")
 
 
 WORDS = Words(

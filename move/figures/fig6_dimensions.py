@@ -95,7 +95,7 @@ def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
     return (
         "**The paper:** success rises with every motion that is added. **Here:** of the differences between neighbours "
         f"that are computed, and of each motion alone against nothing, {counts_text(steps)}: {each or 'none yet'}. "
-        f"**How sure:** the words hold after Holm's adjustment for one task. {data.behind}")
+        f"**How sure:** the words hold after Holm's adjustment for one task. {data.sample_size}")
 
 
 WORDS = Words(

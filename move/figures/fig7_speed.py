@@ -111,7 +111,7 @@ def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
     return (
         "**The paper:** a degree of robustness to speed. **Here:** each speed minus the one used everywhere else: "
         f"{counts_text(ends)}; {each or 'nothing is computed yet'}. **How sure:** not distinguishable is not the "
-        f"same; look at the intervals. {data.behind}")
+        f"same; look at the intervals. {data.sample_size}")
 
 
 WORDS = Words(

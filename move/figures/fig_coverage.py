@@ -92,7 +92,7 @@ def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
     return (
         "**The paper:** one demonstration in motion covers more of space, and that is why MOVE works. **Here:** "
         f"{coverage_text(data.seen)} **How sure:** a rank correlation over few tasks says little, and cells share "
-        f"policies. {data.behind}")
+        f"policies. {data.sample_size}")
 
 
 def coverage_text(table: pd.DataFrame) -> str:

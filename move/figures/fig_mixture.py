@@ -69,7 +69,7 @@ def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
     each = "; ".join(f"{100 * row.share:.0f} % against none {difference_text(row)}"
                      for _, row in tables["gains"].iterrows())
     return (f"**The paper** does not ask this. **Here:** {each or 'nothing is computed yet'}. **How sure:** the words "
-            f"hold after Holm's adjustment for all shares. {data.behind}")
+            f"hold after Holm's adjustment for all shares. {data.sample_size}")
 
 
 WORDS = Words(

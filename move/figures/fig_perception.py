@@ -77,7 +77,8 @@ def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
     each = "; ".join(f"{row.experiment}, {names[seen]} {difference_text(row)}" for seen in names
                      for row in tables.get(f"differences_{seen}", pd.DataFrame()).itertuples())
     return ("**The paper** has no results from keypoints. **Here:** MOVE minus static, "
-            f"{each}. **How sure:** the words hold after Holm's adjustment for one kind of observation. {data.behind}")
+            f"{each}. **How sure:** the words hold after Holm's adjustment for one kind of observation. "
+            f"{data.sample_size}")
 
 
 WORDS = Words(

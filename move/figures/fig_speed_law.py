@@ -68,7 +68,7 @@ def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
     return (
         "**The paper:** Beta-distributed speeds help robust grasping; it compares with no other law. **Here:** "
         f"{each or 'nothing is computed yet'}. **How sure:** the words hold after Holm's adjustment for all laws. "
-        f"{data.behind}")
+        f"{data.sample_size}")
 
 
 WORDS = Words(

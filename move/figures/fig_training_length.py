@@ -98,7 +98,7 @@ def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
         f"**The paper** trains every policy for 220,000 steps and does not ask. **Here:** MOVE minus static at "
         f"{at_each}. From the shortest to the longest training it changes by: {change}; from the recipe's own length "
         f"to the longest: {after}. **How sure:** with two seeds such a change is known to some ten points only. "
-        f"{data.behind}")
+        f"{data.sample_size}")
 
 
 def _by_task(rows: pd.DataFrame, between: str = ", ") -> str:

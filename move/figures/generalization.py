@@ -92,7 +92,7 @@ def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
     return (
         "**The paper:** MOVE makes a policy approach and grasp a moving target; it gives no numbers. **Here:** "
         f"{each}. In motion MOVE minus: {motion}. **How sure:** the words hold after Holm's adjustment for the tasks. "
-        f"{data.behind}")
+        f"{data.sample_size}")
 
 
 WORDS = Words(

@@ -79,7 +79,7 @@ def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
     return (
         f"**The paper** has no results from keypoints; from images, at 20,000 timesteps: {theirs}. **Here, from "
         f"keypoints:** {differences_text(tables['differences'], tables['differences_mean'])} Who learnt nothing: "
-        f"{floor or 'not computed yet'}. **How sure:** {data.behind}")
+        f"{floor or 'not computed yet'}. **How sure:** {data.sample_size}")
 
 
 WORDS = Words(

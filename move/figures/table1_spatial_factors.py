@@ -95,7 +95,7 @@ def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
         f"**Here:** static, factor by factor: {fall or 'nothing is computed yet'}; against the object alone: "
         f"{losses or 'nothing to compare yet'}. MOVE minus static, which the paper does not give: "
         f"{leads or 'nothing to compare yet'}. **How sure:** the words hold after Holm's adjustment for the rows of "
-        f"one comparison. {data.behind}")
+        f"one comparison. {data.sample_size}")
 
 
 WORDS = Words(

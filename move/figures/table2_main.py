@@ -120,7 +120,7 @@ def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
         f"mean of {tables[''].task.nunique()} {ours}. {seen[0]} **From keypoints:** {seen[1]} **How sure:** from "
         f"training to training a rate varies by {100 * noise['rgb'].deviation:.0f} points (standard deviation, of "
         f"{noise['rgb'].repeats} repeated trainings) from pixels and {100 * noise['keypoints'].deviation:.0f} from "
-        f"keypoints. {data.behind}")
+        f"keypoints. {data.sample_size}")
 
 
 WORDS = Words(

@@ -75,7 +75,7 @@ def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
     each = "; ".join(
         f"from {'pixels' if row.observation == 'rgb' else row.observation} {row.jumping} minus as printed, mean of "
         f"{row['items']} tasks, {difference_text(row)}" for _, row in tables["differences"].iterrows())
-    return f"**The paper** does not say when ADC's jumps are due. **Here:** {each}. **How sure:** {data.behind}"
+    return f"**The paper** does not say when ADC's jumps are due. **Here:** {each}. **How sure:** {data.sample_size}"
 
 
 WORDS = Words(

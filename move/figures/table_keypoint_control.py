@@ -85,7 +85,7 @@ def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
     return (
         f"**The paper** has no results from keypoints. **Here, from keypoints:** means over "
         f"{tables[''].task.nunique()} tasks {means}. {tasks_text(tables['over_tasks'])} "
-        f"{differences_text(tables['differences'], tables['differences_mean'])} **How sure:** {data.behind}")
+        f"{differences_text(tables['differences'], tables['differences_mean'])} **How sure:** {data.sample_size}")
 
 
 WORDS = Words(

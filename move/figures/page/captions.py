@@ -157,8 +157,8 @@ def numbers(results: list[Result], missing: int, purpose: str) -> str:
     return " ".join(f"{sentence}." for sentence in sentences)
 
 
-def behind(results: list[Result], missing: int) -> str:
-    """How much stands behind an answer, in a sentence: seeds, episodes, and what is missing."""
+def sample_size(results: list[Result], missing: int) -> str:
+    """The sample of an answer, in a sentence: seeds, episodes, and what is missing."""
     trained = [result for result in results if result.spec.training]
     seeds = Counter(result.spec.model_copy(update={"seed": 0}).hash for result in trained).values()
     stands = (f"It rests on {_span(seeds, 'seed')} a method and condition, "

@@ -45,8 +45,8 @@ class Change:
         if not self:
             return self.profile.figures if by_command() else paths.own_figures(self.profile.name)
         chosen = {name: value for name, (value, _) in self.parameters.items()}
-        told = json.dumps([self.profile.name, chosen], sort_keys=True)
-        return paths.own_figures(f"{self.figure}-{hashlib.sha256(told.encode()).hexdigest()[:8]}")
+        settings_text = json.dumps([self.profile.name, chosen], sort_keys=True)
+        return paths.own_figures(f"{self.figure}-{hashlib.sha256(settings_text.encode()).hexdigest()[:8]}")
 
 
 def get_ipython() -> Any:

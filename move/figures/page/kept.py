@@ -30,17 +30,17 @@ def keep(name: str, data: Data, chosen: Mapping[str, Any], answers: Mapping[str,
     files = sorted(path for path in data.folder.glob(f"{name}*") if _is_of(path, name))
     content = {"made_of": _made_of(data, chosen), "answers": dict(answers),
                "files": {path.name: _digest(path) for path in files}}
-    with written_aside(data.folder / f"{name}.made.json") as beside:
-        beside.write_text(json.dumps(content, indent=1, sort_keys=True) + "\n", encoding="utf-8")
+    with written_aside(data.folder / f"{name}.made.json") as new:
+        new.write_text(json.dumps(content, indent=1, sort_keys=True) + "\n", encoding="utf-8")
 
 
 def answers(name: str, data: Data, chosen: Mapping[str, Any]) -> dict[str, str] | None:
     """What came out of a figure that would be made of the same things as the one that is there; None of any other."""
-    beside = data.folder / f"{name}.made.json"
-    if not getattr(load(name), "SIMULATES", False) or not beside.exists():
+    record = data.folder / f"{name}.made.json"
+    if not getattr(load(name), "SIMULATES", False) or not record.exists():
         return None
     try:
-        content = json.loads(beside.read_text(encoding="utf-8"))
+        content = json.loads(record.read_text(encoding="utf-8"))
         same = content["made_of"] == _made_of(data, chosen) and all(
             _digest(data.folder / file) == digest for file, digest in content["files"].items())
         return content["answers"] if same else None

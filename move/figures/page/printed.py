@@ -198,10 +198,10 @@ def save(
     joined = table.assign(**{column: [" ".join(map(str, values)) for values in table[column]]
                              for column in ("seeds",) if column in table and table[column].map(type).eq(list).any()})
     text = latex(readable(table) if printed is None else printed, name, caption)
-    with written_aside(folder / f"{name}.csv") as beside:
-        joined.to_csv(beside, float_format="%.4f", index=table.index.name is not None)
-    with written_aside(folder / f"{name}.tex") as beside:
-        beside.write_text(text, encoding="utf-8")
+    with written_aside(folder / f"{name}.csv") as new:
+        joined.to_csv(new, float_format="%.4f", index=table.index.name is not None)
+    with written_aside(folder / f"{name}.tex") as new:
+        new.write_text(text, encoding="utf-8")
 
 
 def latex(printed: pd.DataFrame, name: str, caption: str) -> str:
