@@ -1,6 +1,6 @@
-"""Places to write to: refused before the work where nothing can be written, filled aside, then renamed into place.
+"""Places to write to: refused before the work if nothing can be written, written to a temporary name, then renamed.
 
-What is written aside lies next to its place as .NAME.HOST.PROCESS.part, and what it replaces as .NAME.HOST.PROCESS.old
+What is being written lies next to its place as .NAME.HOST.PROCESS.part, and what it replaces as .NAME.HOST.PROCESS.old
 until the new one is in place. A process that is killed leaves them there; the next one that writes to the same place
 deletes them, or moves an old one back where the new one never came.
 """
@@ -61,18 +61,18 @@ def written_aside(path: Path) -> Iterator[Path]:
     Raises:
         BadInput: it cannot be written, as on a full disk.
     """
-    beside, old = _aside(path, "part"), _aside(path, "old")
+    new, old = _aside(path, "part"), _aside(path, "old")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         put_away_remains(path)
-        yield beside
+        yield new
         if path.is_dir():
             os.replace(path, old)
-        os.replace(beside, path)
+        os.replace(new, path)
     except OSError as error:
         raise _cannot_write(path, error) from error
     finally:
-        _remove(beside)
+        _remove(new)
         if os.path.lexists(old):
             _settle(old, path)
 

@@ -86,7 +86,7 @@ def bounded_memory(where: object) -> Iterator[None]:
     allowed = _address_space_bytes() + int(limits().memory_bytes)
     unbounded = sys.platform == "linux" and (soft == resource.RLIM_INFINITY or soft > allowed)
     try:
-        if unbounded:  # else it is bounded already, by the caller or by whoever started the process
+        if unbounded:  # else it is bounded already, by the caller or by the process that started this one
             resource.setrlimit(resource.RLIMIT_AS, (allowed, hard))
         yield
     except MemoryError as error:

@@ -14,7 +14,7 @@ LONGEST_REASON = 200  # characters
 
 
 def build(model: type[Model], **values: Any) -> Model:
-    """Build `model` from values that somebody chose.
+    """Build `model` from values that a user chose.
 
     Raises:
         BadInput: what pydantic refuses, in one line.

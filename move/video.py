@@ -29,7 +29,7 @@ def write_video(path: Path, images: Iterable[np.ndarray], size: tuple[int, int],
         BadInput: it cannot be written, as on a full disk; what was there stays.
     """
     container_format = {"mkv": "matroska"}.get(path.suffix[1:], path.suffix[1:])
-    with written_aside(path) as beside, av.open(str(beside), "w", format=container_format) as container:
+    with written_aside(path) as new, av.open(str(new), "w", format=container_format) as container:
         settings = {**options, "x264-params": "mbtree=0"}
         stream = cast(VideoStream, container.add_stream(codec, rate=fps, options=settings))
         stream.height, stream.width, stream.pix_fmt = *size, pixel_format

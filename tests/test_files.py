@@ -1,4 +1,4 @@
-"""Writing aside: whole or not at all, whatever stops it, and what a killed process left is put away."""
+"""Writing under a temporary name: whole or not at all, whatever stops it, and what a killed process left is deleted."""
 
 import os
 import subprocess

@@ -1,7 +1,7 @@
 """What is shipped agrees with itself: results, tables, captions. Each number is reached by a second way.
 
 Rates are counted again from the stored files with nothing but JSON; differences are taken again from the rates; and
-what a caption says in words is looked up in the tables. Whoever adds results draws the figures again: `make figures`.
+what a caption says in words is looked up in the tables. After adding results draw the figures again: `make figures`.
 """
 
 import json

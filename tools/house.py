@@ -18,8 +18,7 @@ from statistics import median
 import pandas as pd
 
 ROOT = Path(__file__).resolve().parent.parent
-ORDER = ("sim", "learn", "statistics", "realworld", "study", "experiments", "claims", "exchange", "report", "teaching",
-         "cli")
+ORDER = ("sim", "learn", "statistics", "realworld", "study", "figures", "claims", "exchange", "teaching", "cli")
 LONG = 100  # characters
 
 Function = ast.FunctionDef | ast.AsyncFunctionDef

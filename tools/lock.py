@@ -3,7 +3,7 @@
 environment.lock pins every package with hashes and is installed with `pip install --no-deps --require-hashes`.
 It accepts both builds of torch: the one on the ordinary index (CUDA on Linux) and the CPU build that pip finds
 here. The CUDA libraries, several gigabytes, stand alone in environment-cuda.lock, which `make` installs only
-beside a CUDA build of torch.
+next to a CUDA build of torch.
 """
 
 import hashlib

@@ -93,11 +93,11 @@ def executed_copy(path: Path) -> NotebookNode:
 def is_of_today(executed: NotebookNode, notebook: NotebookNode) -> bool:
     """Whether an executed copy has the cells of the notebook, all run, under the profile's own parameters."""
     cells = [cell for cell in executed.cells if "injected-parameters" not in cell.metadata.get("tags", [])]
-    told = executed.metadata.get("papermill", {})
+    run_by = executed.metadata.get("papermill", {})
     same = [cell.source for cell in cells] == [cell.source for cell in notebook.cells]
     run = all(cell.execution_count for cell in cells if cell.cell_type == "code" and cell.source)
-    name = Path(told.get("input_path") or "none").stem
-    return same and run and not changes.change(name, PROFILE, told.get("parameters", {}))
+    name = Path(run_by.get("input_path") or "none").stem
+    return same and run and not changes.change(name, PROFILE, run_by.get("parameters", {}))
 
 
 def figure_page(name: str, executed: NotebookNode) -> NotebookNode:
@@ -146,14 +146,14 @@ def without_pictures(cell: NotebookNode) -> NotebookNode:
 
 
 def words(name: str) -> tuple[str, str, str]:
-    """Caption, what came out and alternative text of a shipped picture, as the file beside it has them."""
-    beside = SHIPPED / f"{name}.caption.md"
-    if not beside.exists():
+    """Caption, what came out and alternative text of a shipped picture, as the file next to it has them."""
+    path = SHIPPED / f"{name}.caption.md"
+    if not path.exists():
         cell = nbformat.read(paths.NOTEBOOKS / f"{owner(name)}.ipynb", 4).cells[0]
         title = cell.source.split("\n")[0].strip("# ")
         return title, "", title
-    told = captions.read(beside)
-    return told.text, told.found, told.alt
+    caption = captions.read(path)
+    return caption.text, caption.found, caption.alt
 
 
 def picture(name: str) -> str:
@@ -167,7 +167,7 @@ def picture(name: str) -> str:
 
 
 def films(name: str) -> str:
-    """The shipped films of a notebook beside each other, looping."""
+    """The shipped films of a notebook side by side, looping."""
     parts = []
     for path in sorted(SHIPPED.glob(f"{name}*.mp4")):
         shutil.copy(path, SOURCE / "_static")
@@ -238,8 +238,8 @@ def start_page(listed: list[Path], documents: list[str], rooms: list[str]) -> st
     return "\n".join([
         "# MOVE, reproduced", "",
         "*MOVE: A Simple Motion-Based Data Collection Paradigm for Spatial Generalization in Robotic Manipulation* "
-        "(arXiv 2512.04813), rebuilt from nothing on a laptop without a GPU. Every number here comes from a stored "
-        "run, and each page says which.", "", "## What came out", "", results_table(), "", gallery(figures), "",
+        "(arXiv 2512.04813), reimplemented from scratch on a laptop without a GPU. Every number here comes from a "
+        "stored run, and each page says which.", "", "## What came out", "", results_table(), "", gallery(figures), "",
         f"## What became of the paper's {len(ledger)} claims", "",
         f"{counted}. A rule gives the verdicts; [how](figures/claims.ipynb).", "",
         *claims(ledger), "", *(tree(title, pages) for title, pages in trees if pages)])
@@ -251,9 +251,9 @@ def claims(ledger: pd.DataFrame) -> Iterator[str]:
     yield "|---|---|---|---|---|"
     for row in ledger.itertuples():
         open_ones = f"{row.evidence}; {row.needed}" if isinstance(row.needed, str) else row.evidence
-        told, evidence = (" ".join(str(text).split()).replace("|", "\\|").replace("[", "\\[")
+        claim, evidence = (" ".join(str(text).split()).replace("|", "\\|").replace("[", "\\[")
                           for text in (row.claim, open_ones))
-        yield (f"| {row.number} | {told} ({row.place}) | **{row.verdict}** | {evidence} | "
+        yield (f"| {row.number} | {claim} ({row.place}) | **{row.verdict}** | {evidence} | "
                f"[{row.figure}](figures/{row.figure}.ipynb) |")
 
 

@@ -1,7 +1,7 @@
 """Writes README's results, between its markers, from the figures' own tables: `python tools/results_table.py`.
 
 The verdict of a row is that of the rule of all verdicts (`move/statistics/verdicts.py`); nobody words it. Below the
-table are figure 4 as a number and how many of the paper's claims have which verdict.
+tables are how many of the paper's claims have which verdict, and figure 4 as one number.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import pandas as pd
 
 from move import paper, paths
 from move.claims.quantities import half_width
-from move.figures.fig4_scaling import spoken_efficiency
+from move.figures.fig4_scaling import efficiency_text
 from move.figures.tables import difference_verdict, points
 from move.files import written_aside
 from move.statistics.verdicts import VERDICTS
@@ -22,32 +22,28 @@ START, END = "<!-- results: written by tools/results_table.py -->", "<!-- end of
 README = paths.ROOT / "README.md"
 
 
-def rows() -> list[str]:
-    """The lines of the table's body: what, ours, the difference with its interval, seeds, the paper's, the verdict."""
-    return [
-        *(_difference(f"Figure 1, nine grasp points; hand {hand}", "fig1_sparse", "difference", hand)
-          for hand in HANDS),
-        *(_difference(f"Figure 3, grasp points everywhere; hand {hand}", "fig3_dense", "difference", hand)
-          for hand in HANDS),
-        *(_difference(f"Figure 5, {where} the circle; hand {hand}", "fig5_circle", "differences", hand, where)
-          for where in ("inside", "outside") for hand in HANDS),
-        _factors(), _tasks("static"), _tasks("adc"),
-    ]
-
-
 def table() -> str:
-    """The whole table in Markdown."""
-    head = ("| | success here | difference, 95 % | seeds | the paper | verdict on the difference |\n"
-            "|---|---|---|---|---|---|\n")
-    return head + "\n".join(rows()) + "\n"
+    """The results in Markdown, one number a cell: static and MOVE, and below them what compares another pair."""
+    main = [
+        *(_difference(f"Figure 1, nine grasp points, hand {hand}", "fig1_sparse", "difference", hand)
+          for hand in HANDS),
+        *(_difference(f"Figure 3, grasp points everywhere, hand {hand}", "fig3_dense", "difference", hand)
+          for hand in HANDS),
+        *(_difference(f"Figure 5, {where} the circle, hand {hand}", "fig5_circle", "differences", hand, where)
+          for where in ("inside", "outside") for hand in HANDS),
+        _tasks("static"),
+    ]
+    return (f"{_head('static', 'MOVE')}\n" + "\n".join(main) + f"\n\n{_head('ADC', 'MOVE')}\n{_tasks('adc')}\n\n"
+            f"{_head('object random', 'all random')}\n{_factors()}\n")
 
 
 def sentences() -> str:
-    """Data efficiency (figure 4) and the ledger of claims, a line each."""
+    """Data efficiency (figure 4) and the verdicts on the paper's claims, a line each."""
     counts = _read("claims").verdict.value_counts()
-    told = "; ".join(f"{counts[name]} {name}" for name in VERDICTS if name in counts)
-    return (f"**Figure 4.** {spoken_efficiency(_read('fig4_scaling_efficiency'))}\n\n"
-            f"**The paper's {counts.sum()} claims.** {told}.\n")
+    counted = "; ".join(f"{counts[name]} {name}" for name in VERDICTS if name in counts)
+    median = efficiency_text(_read("fig4_scaling_efficiency")).rpartition("Median task ")[2]
+    return (f"**The paper's {counts.sum()} claims.** {counted}.\n\n**Data efficiency (figure 4).** Static's timesteps "
+            f"over MOVE's for the same success, in the median task: {median}\n")
 
 
 def with_results(text: str) -> str:
@@ -65,14 +61,25 @@ def _seeds(rates: object) -> int:
     return len(str(rates).split())
 
 
-def _line(what: str, ours: tuple[float, float], found: pd.Series, seeds: int | str,
-          published: tuple[float, float], names: str, half: float = 0.0) -> str:
+def _head(one: str, other: str) -> str:
+    """The two lines that begin a table; its differences are `other` minus `one`."""
+    columns = [f"{one} here", f"{other} here", "difference (points)", "95 % interval", "seeds", f"{one}, paper",
+               f"{other}, paper", "difference, paper", "verdict on the difference"]
+    return f"| what | {' | '.join(columns)} |\n|---|{'---:|' * (len(columns) - 1)}---|"
+
+
+def _line(what: str, ours: tuple[float, float], found: pd.Series, seeds: int | str, published: tuple[float, float],
+          half: float = 0.0) -> str:
     """A row of the table; `found` is the second of the two rates minus the first, and so is the paper's."""
-    ends = "{} [{}, {}]".format(*map(points, (found.difference, found.low, found.high)))
     theirs = published[1] - published[0]
-    told = difference_verdict(_rising(found, theirs), min(ours), half) + _levels(ours, published)
-    return (f"| {what}: {names} | {ours[0]:.2f}, {ours[1]:.2f} | {ends} points | {seeds} | {published[0]:.3f}, "
-            f"{published[1]:.3f} ({points(theirs)}) | {told} |")
+    judged = difference_verdict(_rising(found, theirs), min(ours), half) + _levels(ours, published)
+    return (f"| {what} | {ours[0]:.2f} | {ours[1]:.2f} | {points(found.difference)} | {points(found.low)} to "
+            f"{points(found.high)} | {seeds} | {_printed(published)} | {judged} |")
+
+
+def _printed(published: tuple[float, float]) -> str:
+    """The paper's two rates and their difference, a cell each."""
+    return f"{published[0]:.3f} | {published[1]:.3f} | {points(published[1] - published[0])}"
 
 
 def _levels(ours: tuple[float, float], published: tuple[float, float]) -> str:
@@ -97,11 +104,10 @@ def _difference(what: str, figure: str, suffix: str, hand: str, where: str = "")
     printed = paper.published(figure, condition=where).set_index("method").value
     theirs = printed["static"], printed["move"]
     if found.empty:
-        return (f"| {what}: static, MOVE | missing | | | {theirs[0]:.3f}, {theirs[1]:.3f} "
-                f"({points(theirs[1] - theirs[0])}) | not computed yet |")
+        return f"| {what} | | | | | | {_printed(theirs)} | not computed yet |"
     ours = ours.set_index("method")
     return _line(what, (ours.value["static"], ours.value["move"]), found[found.baseline == "static"].iloc[0],
-                 _seeds(ours.seeds["move"]), theirs, "static, MOVE")
+                 _seeds(ours.seeds["move"]), theirs)
 
 
 def _factors() -> str:
@@ -110,23 +116,23 @@ def _factors() -> str:
     one, every = ours.loc["object"], ours.loc["all"]
     printed = paper.published("table1_spatial_factors").set_index("condition").value
     lost = _read("table1_spatial_factors_lost").set_index("factors").loc["all"]
-    return _line("Table 1", (one.value, every.value), lost, _seeds(every.seeds), (printed["object"], printed["all"]),
-                 "static, the object random and everything random",
+    return _line("Table 1, static", (one.value, every.value), lost, _seeds(every.seeds),
+                 (printed["object"], printed["all"]),
                  half_width([printed["object"]], [printed["all"]], paper.EPISODES_A_RATE))
 
 
 def _tasks(other: str) -> str:
     rates, found = _read("table2_main"), _read("table2_main_differences_mean").set_index("baseline").loc[other]
-    ours, name = rates.groupby("method").value.mean(), "ADC" if other == "adc" else other
+    ours = rates.groupby("method").value.mean()
     printed = {method: list(rows.paper) for method, rows in rates.groupby("method")}  # of the tasks that are there
     seeds = sorted(set(rates[rates.method.isin([other, "move"])].seeds.map(_seeds)))
     what = f"Table 2, mean of {found['items']:.0f} tasks"
     means = tuple(sum(printed[method]) / len(printed[method]) for method in (other, "move"))
     repeated = " to ".join(map(str, dict.fromkeys((seeds[0], seeds[-1]))))
-    return _line(what, (ours[other], ours["move"]), found, repeated, means, f"{name}, MOVE",
+    return _line(what, (ours[other], ours["move"]), found, repeated, means,
                  half_width(printed["move"], printed[other], paper.EPISODES_A_RATE))
 
 
 if __name__ == "__main__":
-    with written_aside(README) as beside:
-        beside.write_text(with_results(README.read_text()))
+    with written_aside(README) as new:
+        new.write_text(with_results(README.read_text()))

@@ -392,7 +392,7 @@ def _made(evidence: Evidence, each: Quantity, experiment: str) -> list[list[pd.D
 
 @quantity("robot")
 def robot(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
-    """A difference of two cells of table 3: Newcombe's interval decides, and Barnard's exact p is told."""
+    """A difference of two cells of table 3: Newcombe's interval decides, and Barnard's exact p is reported."""
     counts = paper.TABLE3_REAL.astype({"timesteps": int}).set_index(["timesteps", "method"]).successes
     one, other = (int(counts[side["timesteps"], side["method"]]) for side in (each.one, each.other))
     found = compare((other, paper.REAL_TRIALS), (one, paper.REAL_TRIALS))

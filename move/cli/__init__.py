@@ -63,7 +63,7 @@ def _outcome() -> int:
         return _refuse(problem.format_message().replace("Value error, ", ""), 2)
     except (typer.Abort, KeyboardInterrupt):
         return INTERRUPTED
-    except BrokenPipeError:  # whoever read the output has gone, as `head` does
+    except BrokenPipeError:  # the reader of the output has gone, as `head` does
         _drop_output()
         return 1
     except OSError as error:

@@ -47,7 +47,7 @@ def show_paths(paths: list[Path]) -> None:
 def progress(label: str) -> Iterator[Report]:
     """A callable (done, total, ...) that draws a bar with the time left on standard error.
 
-    `text=` changes the words beside the bar.
+    `text=` changes the words next to the bar.
     """
     from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 

@@ -12,7 +12,7 @@ What a LeRobot policy is given:
 | keypoints | the keypoints | the keypoints again | - |
 | images | two zeros | - | the images |
 
-LeRobot's diffusion policy wants a state, and beside it an image or an environment state. A policy from images sees
+LeRobot's diffusion policy wants a state, and with it an image or an environment state. A policy from images sees
 images alone, as here, so its state says nothing.
 """
 
@@ -80,8 +80,8 @@ def export(data: Path, out: Path, form: str, clip_actions: bool = False, whole_e
     if form == "zarr":
         dataset.save(demonstrations, out, attributes)
     else:
-        with written_aside(out) as beside:
-            write_lerobot(demonstrations, beside, attributes)
+        with written_aside(out) as new:
+            write_lerobot(demonstrations, new, attributes)
     size = sum(path.stat().st_size for path in out.rglob("*") if path.is_file())
     return {"path": str(out), "format": form, "episodes": demonstrations.episodes,
             "timesteps": demonstrations.timesteps,
@@ -92,7 +92,7 @@ def whole(demonstrations: Demonstrations, attributes: dict[str, Any]) -> Demonst
     """The demonstrations without the last one, if the budget of timesteps cut it; of a mixture without each method's.
 
     Args:
-        attributes: what `move collect` stored beside them: the collection and its record.
+        attributes: what `move collect` stored with them: the collection and its record.
 
     Raises:
         BadInput: nothing says how they were collected, or none is whole.
@@ -118,7 +118,7 @@ def write_lerobot(demonstrations: Demonstrations, folder: Path, attributes: dict
     """Write a LeRobot v3.0 data set.
 
     Args:
-        attributes: what was stored beside the demonstrations; goes to meta/move.json as it is.
+        attributes: what was stored with the demonstrations; goes to meta/move.json as it is.
     """
     task = attributes.get("collection", {}).get("task", "unknown")
     numbers = _numbers(demonstrations)

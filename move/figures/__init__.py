@@ -1,12 +1,12 @@
-"""The figures and tables of the study: one file each, beside a notebook of the same name.
+"""The figures and tables of the study: one file each, and a notebook of the same name.
 
 A figure's file holds
 
     runs(profile, ...) -> labelled runs            which trainings and evaluations it is made of, if any
-    seen(data, *, ...) -> anything                 what is looked at besides: films, collections; optional
+    seen(data, *, ...) -> anything                 what else is looked at: films, collections; optional
     tables(data, *, ...) -> {suffix: DataFrame}    what is written as CSV and LaTeX
     draw(tables, data, *, ...) -> Figure           the picture, or {name: Figure} where there are several
-    answer(tables, data, *, ...) -> str            what came out, in sentences, or {name: str}
+    answer(tables, data, *, ...) -> str            the result in sentences, or {name: str}
     WORDS                                          title, caption, alternative text, and a caption for each table
 
 The arguments by keyword are the figure's parameters: those of the notebook's parameters cell, of a profile's YAML and

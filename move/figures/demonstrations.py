@@ -1,4 +1,4 @@
-"""Films of demonstrations: static, ADC and MOVE beside each other, task by task."""
+"""Films of demonstrations: static, ADC and MOVE side by side, task by task."""
 
 from __future__ import annotations
 

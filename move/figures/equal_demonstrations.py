@@ -15,7 +15,7 @@ from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Seeds, TaskName
 from move.figures.plots.panels import methods_and_seeds
 from move.figures.plots.style import COLUMN_WIDTH, NAMES, titles
-from move.figures.tables import demonstrations_made, difference_table, rate_table, spoken_difference
+from move.figures.tables import demonstrations_made, difference_table, difference_text, rate_table
 from move.sim.tasks import TASKS
 from move.study.kinds import policy_run
 from move.study.labels import LabelledRun, grid
@@ -64,13 +64,13 @@ def draw(tables: dict[str, pd.DataFrame], data: Data, *, task: str) -> Figure:
 def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
     """MOVE minus static both ways, and the demonstrations where they were to be equal."""
     made = tables["made"]
-    each = "; ".join(f"at equal {row['equal']} MOVE minus static is {spoken_difference(row)}"
+    each = "; ".join(f"at equal {row['equal']} MOVE minus static is {difference_text(row)}"
                      for _, row in tables["differences"].iterrows())
     counts = ", ".join(f"{NAMES[row.method]} {row.demonstrations:.0f}"
                        for row in made[made.equal == "demonstrations"].itertuples())
     return (
         f"**The paper** compares at equal timesteps. **Here:** {each or 'nothing is computed yet'}. Demonstrations "
-        f"where they were to be equal, mean of the seeds: {counts}. **How sure:** {data.behind}")
+        f"where they were to be equal, mean of the seeds: {counts}. **How sure:** {data.sample_size}")
 
 
 WORDS = Words(

@@ -12,7 +12,7 @@ from move.figures.page.captions import DIFFERENCES, INTERVALS, RATES, Words
 from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Counts, Observation, Repeats
 from move.figures.plots.style import PAGE_WIDTH, titles
-from move.figures.tables import demonstrations_made, difference_table, rate_table, spoken_difference
+from move.figures.tables import demonstrations_made, difference_table, difference_text, rate_table
 from move.sim.grasp_points import SPARSE_SIDE
 from move.study.labels import LabelledRun
 from move.study.profiles import Profile
@@ -64,14 +64,14 @@ def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
                     for suffix in ("points", "made"))
     own = "; ".join(f"in {row.timesteps:,} timesteps {row.value:.0%} [{row.low:.0%}, {row.high:.0%}]"
                     for row in points.itertuples())
-    between = "; ".join(f"in {row.timesteps:,} timesteps {spoken_difference(row)}"
+    between = "; ".join(f"in {row.timesteps:,} timesteps {difference_text(row)}"
                         for _, row in tables["differences"].iterrows())
     counts = ", ".join(f"{row.demonstrations / SPARSE_SIDE**2:.1f}" for row in made.itertuples())
     return (
         '**The paper:** with fewer than ten demonstrations at each of the nine points, policies "usually failed to '
         f"learn\". **Here:** static succeeds at its own nine points {own or 'in nothing computed yet'}; it has "
         f"{counts or 'no'} demonstrations at each. Over the whole space MOVE minus static is "
-        f"{between or 'not computed yet'}. **How sure:** {data.behind}")
+        f"{between or 'not computed yet'}. **How sure:** {data.sample_size}")
 
 
 WORDS = Words(

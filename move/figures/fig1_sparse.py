@@ -26,9 +26,9 @@ from move.figures.plots.style import PAGE_WIDTH, titles
 from move.figures.tables import (
     difference_table,
     rate_table,
+    rates_text,
     run_costs,
-    spoken_rates,
-    spoken_verdicts,
+    verdicts_text,
     with_paper,
 )
 from move.learn.evaluation import Evaluation
@@ -141,7 +141,7 @@ def success_maps(episodes: pd.DataFrame, axes: Sequence[Axes]) -> None:
 
 
 def by_hand(rates: pd.DataFrame, ax: Axes) -> None:
-    """Static beside MOVE by where the hand starts; rates as `plots.grouped_rates` takes them, with the column hand."""
+    """Static next to MOVE by where the hand starts; rates as `plots.grouped_rates` takes them, with the column hand."""
     names = {"anywhere": "any-\nwhere", "within 3 cm": "within\n3 cm", "one place": "one\nplace"}
     plots.grouped_rates(rates, "hand", [names[hand] for hand in rates.hand.unique()], ax)
     legend_below(ax, [seed_dot()], 2, lines=2)
@@ -150,10 +150,10 @@ def by_hand(rates: pd.DataFrame, ax: Axes) -> None:
 def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
     """The paper's rates, those here by the hand's start with verdicts, and those at the points."""
     return (
-        f"**The paper:** over the whole space {spoken_rates(paper.published('fig1_sparse', 'success'))}. **Here**, by "
-        f"where the hand starts: {spoken_verdicts(tables['difference'], tables['hand'], 'hand')}. At the nine points "
-        f"themselves, hands anywhere: {spoken_rates(tables['points'])}. **How sure:** the intervals include how "
-        f"trainings and places differ; which of the three made the paper's figure cannot be known. {data.behind}")
+        f"**The paper:** over the whole space {rates_text(paper.published('fig1_sparse', 'success'))}. **Here**, by "
+        f"where the hand starts: {verdicts_text(tables['difference'], tables['hand'], 'hand')}. At the nine points "
+        f"themselves, hands anywhere: {rates_text(tables['points'])}. **How sure:** the intervals include how "
+        f"trainings and places differ; which of the three made the paper's figure cannot be known. {data.sample_size}")
 
 
 MAPS = ("seen from above: a cell is one place of the object, its colour the number of seeds whose policy succeeds "

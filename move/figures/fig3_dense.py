@@ -18,12 +18,12 @@ from move.figures.plots import maps
 from move.figures.plots.style import PAGE_WIDTH, titles
 from move.figures.tables import (
     difference_table,
+    difference_text,
     grasp_points,
     rate_table,
+    rates_text,
     run_costs,
-    spoken_difference,
-    spoken_rates,
-    spoken_verdicts,
+    verdicts_text,
     with_paper,
 )
 from move.study.labels import LabelledRun
@@ -86,13 +86,13 @@ def draw(tables: dict[str, pd.DataFrame], data: Data, *, timesteps: tuple[int, .
 
 def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
     """The paper's rates, those here by the hand's start with verdicts, and the differences at every budget."""
-    less = "; ".join(f"{row.timesteps:,} timesteps: {spoken_difference(row)}"
+    less = "; ".join(f"{row.timesteps:,} timesteps: {difference_text(row)}"
                      for _, row in tables["budgets_difference"].iterrows())
     return (
-        f"**The paper:** {spoken_rates(paper.published('fig3_dense', 'success'))}. **Here**, by where the hand starts: "
-        f"{spoken_verdicts(tables['difference'], tables['hand'], 'hand')}. By budget, hands anywhere: "
+        f"**The paper:** {rates_text(paper.published('fig3_dense', 'success'))}. **Here**, by where the hand starts: "
+        f"{verdicts_text(tables['difference'], tables['hand'], 'hand')}. By budget, hands anywhere: "
         f"{less or 'nothing to compare yet'}. **How sure:** near the ceiling no method can be ahead, so look at the "
-        f"smaller budgets. {data.behind}")
+        f"smaller budgets. {data.sample_size}")
 
 
 WORDS = Words(

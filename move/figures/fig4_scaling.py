@@ -22,9 +22,9 @@ from move.figures.tables import (
     LEVEL,
     as_columns,
     controls,
+    difference_text,
     printed_success,
     rate_table,
-    spoken_difference,
     with_holm,
     with_level,
 )
@@ -160,11 +160,11 @@ def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
     """Each task's factor and the median one, and what came out at the budgets that are said to be equal."""
     return (
         "**The paper:** MOVE above static at every budget, up to 2 to 5 times the data efficiency on certain tasks. "
-        f"**Here:** {spoken_efficiency(tables['efficiency'])} {spoken_equal(tables['equal'])}. **How sure:** a "
-        f"factor's interval knows trainings and configurations. {data.behind}")
+        f"**Here:** {efficiency_text(tables['efficiency'])} {equal_text(tables['equal'])}. **How sure:** a "
+        f"factor's interval knows trainings and configurations. {data.sample_size}")
 
 
-def spoken_efficiency(table: pd.DataFrame) -> str:
+def efficiency_text(table: pd.DataFrame) -> str:
     """The table in words: each task's factor with its interval, and the median task."""
     if table.empty:
         return "No task has two budgets of both methods yet."
@@ -182,11 +182,11 @@ def _median(table: pd.DataFrame) -> str:
     return f"{most:.2g}" if least == most else f"between {least:.2g} and {most:.2g}"
 
 
-def spoken_equal(table: pd.DataFrame) -> str:
+def equal_text(table: pd.DataFrame) -> str:
     """A table of `equal_budgets` in words: each pair of budgets with what came out, or that it is missing."""
     return "; ".join(
         f"{TASKS[row.task].title}, MOVE at {row.move_timesteps:,} timesteps minus static at {row.static_timesteps:,} "
-        f"(the paper: equal): {spoken_difference(row) if pd.notna(row.difference) else 'not computed yet'}"
+        f"(the paper: equal): {difference_text(row) if pd.notna(row.difference) else 'not computed yet'}"
         for _, row in table.iterrows()) or "None of these tasks has budgets that the paper calls equal"
 
 

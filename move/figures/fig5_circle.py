@@ -18,9 +18,9 @@ from move.figures.plots.style import NAMES, PAGE_WIDTH, titles
 from move.figures.tables import (
     differences_at,
     rate_table,
+    rates_text,
     run_costs,
-    spoken_rates,
-    spoken_verdicts,
+    verdicts_text,
     with_paper,
 )
 from move.sim.grasp_points import CIRCLE
@@ -74,15 +74,15 @@ def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:
 def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
     """The paper's rates inside and outside, those here by the hand's start with verdicts, and those at the points."""
     compared = with_paper(tables["differences"], "fig5_circle", ["where", "baseline"], "difference")
-    theirs = "; ".join(f"{where} {spoken_rates(rows)}" for where, rows in
+    theirs = "; ".join(f"{where} {rates_text(rows)}" for where, rows in
                        paper.published("fig5_circle", "success").groupby("condition", sort=False))
     compared, by_place = (rows.assign(place=rows["where"] + ", hand " + rows.hand)
                           for rows in (compared, tables["hand"]))
     own = ", ".join(f"{NAMES[row.method]} {row.value:.0%}" for row in tables["points"].itertuples())
     return (
-        f"**The paper:** {theirs}. **Here:** {spoken_verdicts(compared, by_place, 'place')}. At the twenty grasp "
+        f"**The paper:** {theirs}. **Here:** {verdicts_text(compared, by_place, 'place')}. At the twenty grasp "
         f"points themselves, hands anywhere: {own or 'not computed yet'}. **How sure:** the words hold after Holm's "
-        f"adjustment for both parts. {data.behind}")
+        f"adjustment for both parts. {data.sample_size}")
 
 
 WORDS = Words(

@@ -15,7 +15,7 @@ from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Seeds
 from move.figures.plots.panels import methods_and_seeds
 from move.figures.plots.style import PAGE_WIDTH, titles
-from move.figures.tables import VARIANTS, rate_table, spoken_counts, spoken_difference, variant_rows
+from move.figures.tables import VARIANTS, counts_text, difference_text, rate_table, variant_rows
 from move.sim.motion.wrappers import movable
 from move.sim.tasks import TASKS, get_task
 from move.statistics.estimates import UNKNOWN, TrainingNoise
@@ -90,12 +90,12 @@ def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:
 def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
     """How many neighbours differ, and each difference."""
     steps = tables["steps"]
-    each = "; ".join(f"{TASKS[row['task']].title}, {row['moves']} against {row['baseline']}: {spoken_difference(row)}"
+    each = "; ".join(f"{TASKS[row['task']].title}, {row['moves']} against {row['baseline']}: {difference_text(row)}"
                      for _, row in steps.iterrows())
     return (
         "**The paper:** success rises with every motion that is added. **Here:** of the differences between neighbours "
-        f"that are computed, and of each motion alone against nothing, {spoken_counts(steps)}: {each or 'none yet'}. "
-        f"**How sure:** the words hold after Holm's adjustment for one task. {data.behind}")
+        f"that are computed, and of each motion alone against nothing, {counts_text(steps)}: {each or 'none yet'}. "
+        f"**How sure:** the words hold after Holm's adjustment for one task. {data.sample_size}")
 
 
 WORDS = Words(

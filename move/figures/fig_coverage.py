@@ -91,11 +91,11 @@ def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
     """How success goes with coverage, and how little that says."""
     return (
         "**The paper:** one demonstration in motion covers more of space, and that is why MOVE works. **Here:** "
-        f"{spoken_coverage(data.seen)} **How sure:** a rank correlation over few tasks says little, and cells share "
-        f"policies. {data.behind}")
+        f"{coverage_text(data.seen)} **How sure:** a rank correlation over few tasks says little, and cells share "
+        f"policies. {data.sample_size}")
 
 
-def spoken_coverage(table: pd.DataFrame) -> str:
+def coverage_text(table: pd.DataFrame) -> str:
     """How success goes with joint coverage, in words: within tasks, and of MOVE's gain over the tasks' gains."""
     from scipy import stats
 

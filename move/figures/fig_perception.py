@@ -13,7 +13,7 @@ from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Observation
 from move.figures.plots.panels import SEEN, methods_and_seeds
 from move.figures.plots.style import PAGE_WIDTH, titles
-from move.figures.tables import difference_table, joined, rate_table, spoken_difference
+from move.figures.tables import difference_table, difference_text, joined, rate_table
 from move.study.labels import LabelledRun
 from move.study.profiles import Profile
 
@@ -57,7 +57,7 @@ def tables(data: Data) -> dict[str, pd.DataFrame]:
 
 
 def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:
-    """Static beside MOVE in several experiments, from pixels and from keypoints."""
+    """Static next to MOVE in several experiments, from pixels and from keypoints."""
     rates = data.with_missing(tables[""], BY)
     kinds = list(rates.observation.unique())
     figure, axes = plt.subplots(1, len(kinds), figsize=(PAGE_WIDTH, 2.6), sharey=True, squeeze=False)
@@ -74,10 +74,11 @@ def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:
 def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
     """MOVE minus static in every experiment, from pixels and from keypoints."""
     names = {"rgb": "from pixels", "keypoints": "from keypoints"}
-    each = "; ".join(f"{row.experiment}, {names[seen]} {spoken_difference(row)}" for seen in names
+    each = "; ".join(f"{row.experiment}, {names[seen]} {difference_text(row)}" for seen in names
                      for row in tables.get(f"differences_{seen}", pd.DataFrame()).itertuples())
     return ("**The paper** has no results from keypoints. **Here:** MOVE minus static, "
-            f"{each}. **How sure:** the words hold after Holm's adjustment for one kind of observation. {data.behind}")
+            f"{each}. **How sure:** the words hold after Holm's adjustment for one kind of observation. "
+            f"{data.sample_size}")
 
 
 WORDS = Words(

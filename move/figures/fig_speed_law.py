@@ -15,7 +15,7 @@ from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Seeds, TaskName
 from move.figures.plots.panels import methods_and_seeds
 from move.figures.plots.style import COLUMN_WIDTH, titles
-from move.figures.tables import VARIANTS, rate_table, spoken_difference, variant_rows
+from move.figures.tables import VARIANTS, difference_text, rate_table, variant_rows
 from move.sim.tasks import TASKS
 from move.statistics.estimates import UNKNOWN, TrainingNoise
 from move.study.kinds import policy_run
@@ -64,11 +64,11 @@ def draw(tables: dict[str, pd.DataFrame], data: Data, *, task: str) -> Figure:
 
 def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
     """Each other law against the paper's."""
-    each = "; ".join(f"{row.law} against Beta {spoken_difference(row)}" for _, row in tables["others"].iterrows())
+    each = "; ".join(f"{row.law} against Beta {difference_text(row)}" for _, row in tables["others"].iterrows())
     return (
         "**The paper:** Beta-distributed speeds help robust grasping; it compares with no other law. **Here:** "
         f"{each or 'nothing is computed yet'}. **How sure:** the words hold after Holm's adjustment for all laws. "
-        f"{data.behind}")
+        f"{data.sample_size}")
 
 
 WORDS = Words(

@@ -14,7 +14,7 @@ from move.figures.page.captions import DIFFERENCES, INTERVALS, RATES, Words
 from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Multiple, Repeats
 from move.figures.plots.style import PAGE_WIDTH, titles
-from move.figures.tables import COLUMNS, as_columns, differences_at, rate_table, spoken_difference, with_holm
+from move.figures.tables import COLUMNS, as_columns, difference_text, differences_at, rate_table, with_holm
 from move.sim.tasks import TASKS
 from move.statistics.cells import successes, training_noise
 from move.statistics.estimates import UNKNOWN, TrainingNoise, contrast, mean_contrast
@@ -98,11 +98,11 @@ def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
         f"**The paper** trains every policy for 220,000 steps and does not ask. **Here:** MOVE minus static at "
         f"{at_each}. From the shortest to the longest training it changes by: {change}; from the recipe's own length "
         f"to the longest: {after}. **How sure:** with two seeds such a change is known to some ten points only. "
-        f"{data.behind}")
+        f"{data.sample_size}")
 
 
 def _by_task(rows: pd.DataFrame, between: str = ", ") -> str:
-    return between.join(f"{getattr(TASKS.get(row.task), 'title', row.task)} {spoken_difference(row)}"
+    return between.join(f"{getattr(TASKS.get(row.task), 'title', row.task)} {difference_text(row)}"
                         for _, row in rows.iterrows())
 
 

@@ -281,7 +281,7 @@ def _leads(leads: pd.DataFrame, lines: Sequence[str], ax: Axes) -> None:
 
 def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
     """What the settings explain of static's distance to the paper, case by case."""
-    return f"{sentence(tables[''], tables['steps'])} {data.behind}"
+    return f"{sentence(tables[''], tables['steps'])} {data.sample_size}"
 
 
 def sentence(rates: pd.DataFrame, steps: pd.DataFrame) -> str:

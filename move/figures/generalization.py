@@ -13,7 +13,7 @@ from move.figures.page.captions import DIFFERENCES, INTERVALS, RATES, Words
 from move.figures.page.data import Data
 from move.figures.page.parameters import Count, MethodName, Seeds
 from move.figures.plots.style import NAMES, PAGE_WIDTH
-from move.figures.tables import difference_table, rate_table, spoken_difference
+from move.figures.tables import difference_table, difference_text, rate_table
 from move.learn.evaluation import Evaluation
 from move.paper import PAPER_METHODS
 from move.sim.tasks import TASKS
@@ -87,12 +87,12 @@ def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
         f"{100 * rows.in_motion.mean():.0f} % elsewhere in motion, lowest at its own grasps on "
         f"{TASKS[rows.task[rows.own.idxmin()]].title} ({100 * rows.own.min():.0f} %)"
         for method, rows in tables[""].dropna().groupby("method", sort=False))
-    motion = "; ".join(f"{NAMES[row.baseline]} on {TASKS[row.task].title} {spoken_difference(row)}"
+    motion = "; ".join(f"{NAMES[row.baseline]} on {TASKS[row.task].title} {difference_text(row)}"
                        for _, row in tables["differences"].iterrows())
     return (
         "**The paper:** MOVE makes a policy approach and grasp a moving target; it gives no numbers. **Here:** "
         f"{each}. In motion MOVE minus: {motion}. **How sure:** the words hold after Holm's adjustment for the tasks. "
-        f"{data.behind}")
+        f"{data.sample_size}")
 
 
 WORDS = Words(

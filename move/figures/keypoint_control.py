@@ -14,7 +14,7 @@ from move.figures.page.captions import DIFFERENCES, INTERVALS, RATES, Words
 from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Repeats
 from move.figures.plots.style import COLUMN_WIDTH, NAMES, titles
-from move.figures.tables import difference_means, difference_table, rate_table, spoken_differences
+from move.figures.tables import difference_means, difference_table, differences_text, rate_table
 from move.paper import PAPER_METHODS
 from move.sim.observe import IMAGE_SIZE
 from move.study.axes import floors_and_ceilings
@@ -29,7 +29,7 @@ UNUSED_IMAGE_SIZE = IMAGE_SIZE  # enters the hashes of these runs from keypoints
 def runs(
     profile: Profile, timesteps: tuple[Count, ...] = (1250, 2500, 5000), seeds: Repeats = 5, episodes: Count = 100
 ) -> list[LabelledRun]:
-    """All factors random: three methods at several budgets, the expert, and who learnt nothing."""
+    """All factors random: three methods at several budgets, the expert, and untrained baselines."""
     base = partial(policy_run, profile, task="pick-place", observation="keypoints", image_size=UNUSED_IMAGE_SIZE,
                    episodes=episodes)
     policies = grid(base, timesteps=timesteps, method=PAPER_METHODS, seed=range(seeds))
@@ -56,7 +56,7 @@ def _printed() -> pd.DataFrame:
 
 
 def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:
-    """Success against the budget, between floor and ceiling; the paper's values from images beside it."""
+    """Success against the budget, between floor and ceiling; and the paper's values from images."""
     rates, controls, printed = tables[""], _controls(data), _printed()
     figure, ax = plt.subplots(figsize=(COLUMN_WIDTH, 2.7))
     plots.curve(rates, "timesteps", "timesteps of demonstrations", ax, log=True)
@@ -73,13 +73,13 @@ def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:
 
 
 def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
-    """The paper's rates from images, where MOVE is above the others here, and who learnt nothing."""
+    """The paper's rates from images, where MOVE is above the others here, and the untrained baselines."""
     theirs = ", ".join(f"{NAMES[row.method]} {row.value:.1%}" for row in _printed().itertuples())
     floor = ", ".join(f"{NAMES[name]} {rate:.0%}" for name, rate in _controls(data).items())
     return (
         f"**The paper** has no results from keypoints; from images, at 20,000 timesteps: {theirs}. **Here, from "
-        f"keypoints:** {spoken_differences(tables['differences'], tables['differences_mean'])} Who learnt nothing: "
-        f"{floor or 'not computed yet'}. **How sure:** {data.behind}")
+        f"keypoints:** {differences_text(tables['differences'], tables['differences_mean'])} Who learnt nothing: "
+        f"{floor or 'not computed yet'}. **How sure:** {data.sample_size}")
 
 
 WORDS = Words(

@@ -19,9 +19,9 @@ from move.figures.tables import (
     VARIANTS,
     as_columns,
     difference_table,
+    difference_text,
     rate_table,
     run_costs,
-    spoken_difference,
     with_holm,
     with_paper,
 )
@@ -69,7 +69,7 @@ def factor_table(episodes: pd.DataFrame, known: TrainingNoise = UNKNOWN) -> pd.D
 
 
 def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:
-    """Static beside MOVE as more is random, and their difference."""
+    """Static next to MOVE as more is random, and their difference."""
     rates, differences = tables[""], tables["differences"]
     figure, axes = plt.subplots(1, 2, figsize=(PAGE_WIDTH, 2.4), width_ratios=[1.2, 1])
     plots.grouped_rates(rates, "factors", [NAMES[name] for name in rates.factors.unique()], axes[0])
@@ -86,7 +86,7 @@ def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
     rates = tables[""]
     fall = ", ".join(f"{NAMES[row.factors]} {row.value:.1%} (the paper {row.paper:.1%})"
                      for row in rates[rates.method == "static"].itertuples())
-    losses, leads = ("; ".join(f"{NAMES[row['factors']]}{colon} {spoken_difference(row)}"
+    losses, leads = ("; ".join(f"{NAMES[row['factors']]}{colon} {difference_text(row)}"
                                for _, row in tables[suffix].iterrows())
                      for suffix, colon in (("lost", ""), ("differences", ":")))
     printed = paper.published("table1_spatial_factors").set_index("condition").value
@@ -95,7 +95,7 @@ def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
         f"**Here:** static, factor by factor: {fall or 'nothing is computed yet'}; against the object alone: "
         f"{losses or 'nothing to compare yet'}. MOVE minus static, which the paper does not give: "
         f"{leads or 'nothing to compare yet'}. **How sure:** the words hold after Holm's adjustment for the rows of "
-        f"one comparison. {data.behind}")
+        f"one comparison. {data.sample_size}")
 
 
 WORDS = Words(

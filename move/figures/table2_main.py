@@ -14,15 +14,15 @@ from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Seeds
 from move.figures.plots.style import NAMES, PAGE_WIDTH, titles
 from move.figures.tables import (
-    beside,
     controls,
     difference_means,
     difference_table,
+    differences_text,
     rate_table,
     run_costs,
-    spoken_differences,
-    spoken_tasks,
+    task_layout,
     tasks_table,
+    tasks_text,
     with_level,
     with_paper,
 )
@@ -85,8 +85,8 @@ def _means(tables: dict[str, pd.DataFrame]) -> pd.DataFrame:
 
 
 def printed(tables: dict[str, pd.DataFrame], data: Data) -> dict[str, pd.DataFrame]:
-    """One row a task, for each method its rate and the paper's beside it; floor, ceiling, mean."""
-    return {"": beside(tables[""], controls(data.episodes), _means(tables))}
+    """One row a task, for each method its rate and the paper's; floor, ceiling, mean."""
+    return {"": task_layout(tables[""], controls(data.episodes), _means(tables))}
 
 
 def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:
@@ -112,15 +112,15 @@ def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
     means, noise = _means(tables), {seen: data.noise(seen) for seen in ("rgb", "keypoints")}
     ours, theirs = (", ".join(f"{NAMES[method]} {value:.1%}" for method, value in
                               zip(means.method, means[column], strict=True)) for column in ("value", "paper"))
-    seen = [f"{spoken_tasks(tables[_joined('over_tasks', ending)])} "
-            + spoken_differences(tables[_joined("differences", ending)], tables[_joined("differences", ending, "mean")])
+    seen = [f"{tasks_text(tables[_joined('over_tasks', ending)])} "
+            + differences_text(tables[_joined("differences", ending)], tables[_joined("differences", ending, "mean")])
             for ending in ("", "keypoints")]
     return (
         f"**The paper:** on the mean of ten tasks {theirs}, MOVE ahead on every task. **Here, from pixels:** on the "
         f"mean of {tables[''].task.nunique()} {ours}. {seen[0]} **From keypoints:** {seen[1]} **How sure:** from "
         f"training to training a rate varies by {100 * noise['rgb'].deviation:.0f} points (standard deviation, of "
         f"{noise['rgb'].repeats} repeated trainings) from pixels and {100 * noise['keypoints'].deviation:.0f} from "
-        f"keypoints. {data.behind}")
+        f"keypoints. {data.sample_size}")
 
 
 WORDS = Words(

@@ -1,4 +1,4 @@
-"""Table 4: hyperparameters, ours beside the paper's."""
+"""Table 4: hyperparameters, ours and the paper's."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ SIMULATION, ROBOT = "paper, simulation", "paper, real robot"
 
 
 def tables(data: Data, *, compared: tuple[ProfileName, ...] = ("laptop", "paper")) -> dict[str, pd.DataFrame]:
-    """One row a hyperparameter, the recipes of `compared` for images beside the paper's two columns.
+    """One row a hyperparameter, the recipes of `compared` for images next to the paper's two columns.
 
     The recipes are those for Pick-Place's budget of table 5.
     """

@@ -40,7 +40,7 @@ def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
     return (
         f"**The paper** gives {table.timesteps.sum():,} timesteps to {len(table)} tasks. **Here:** the registry has "
         f"the same number for {(table.timesteps == table.paper).sum()} of {len(table)}; in them MOVE makes {made} for "
-        f"one of static. **How sure:** from the mean lengths of table 6. {data.behind}")
+        f"one of static. **How sure:** from the mean lengths of table 6. {data.sample_size}")
 
 
 WORDS = Words(tables={

@@ -82,7 +82,7 @@ def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
         f"**The paper:** {steps.move / steps.static - 1:+.0%} timesteps ({steps.static} to {steps.move}), "
         f"{kept.move:.1%} of attempts succeed against {kept.static:.1%}. **Here:** {each or 'nothing to compare yet'}. "
         f"**How sure:** means over {tables['by_task'].task.nunique()} tasks, whose spread the error bars show. "
-        f"{data.behind}")
+        f"{data.sample_size}")
 
 
 WORDS = Words(

@@ -15,14 +15,14 @@ from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Seeds
 from move.figures.plots.style import NAMES, PAGE_WIDTH, titles
 from move.figures.tables import (
-    beside,
     controls,
     difference_means,
     difference_table,
+    differences_text,
     rate_table,
-    spoken_differences,
-    spoken_tasks,
+    task_layout,
     tasks_table,
+    tasks_text,
 )
 from move.paper import PAPER_METHODS, PAPER_TASKS
 from move.study.axes import floors_and_ceilings
@@ -66,7 +66,7 @@ def _means(tables: dict[str, pd.DataFrame]) -> pd.DataFrame:
 
 def printed(tables: dict[str, pd.DataFrame], data: Data) -> dict[str, pd.DataFrame]:
     """One row a task: each method's rate, floor, ceiling; the mean."""
-    return {"": beside(tables[""], controls(data.episodes), _means(tables))}
+    return {"": task_layout(tables[""], controls(data.episodes), _means(tables))}
 
 
 def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:
@@ -84,8 +84,8 @@ def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
     means = ", ".join(f"{NAMES[row.method]} {row.value:.1%}" for row in _means(tables).itertuples())
     return (
         f"**The paper** has no results from keypoints. **Here, from keypoints:** means over "
-        f"{tables[''].task.nunique()} tasks {means}. {spoken_tasks(tables['over_tasks'])} "
-        f"{spoken_differences(tables['differences'], tables['differences_mean'])} **How sure:** {data.behind}")
+        f"{tables[''].task.nunique()} tasks {means}. {tasks_text(tables['over_tasks'])} "
+        f"{differences_text(tables['differences'], tables['differences_mean'])} **How sure:** {data.sample_size}")
 
 
 WORDS = Words(

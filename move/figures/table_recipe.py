@@ -109,7 +109,7 @@ def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
             if row.change != "chosen" else "") for row in rows.itertuples())
     return (
         f"**The paper** trains a larger network for 220,000 steps. **Here:** {each}. **How sure:** one training a "
-        f"line, and the intervals know about the episodes alone. {data.behind}")
+        f"line, and the intervals know about the episodes alone. {data.sample_size}")
 
 
 WORDS = Words(

@@ -5,7 +5,7 @@ hub.py       list a repository, cap its size, fetch chosen files of one commit
 detect.py    which layouts a list of file names holds
 formats/     one reader a layout -> Recording (units of the file)
 state_columns.py  which column of a state vector is what
-units.py     Recording -> RobotEpisode (SI units), with a table of how each unit was told
+units.py     Recording -> RobotEpisode (SI units), with a table of how each unit was found
 frames.py    camera frames by the time of their timesteps, decoded when asked for
 trials.py    what thirty trials can show: exact intervals, tests, power, possible scores
 scoring.py   a laboratory's own scoring sheet

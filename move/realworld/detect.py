@@ -27,7 +27,7 @@ def detect(files: Sequence[str], root: Path) -> list[Part]:
     """Find every sub data set in a listing.
 
     A file belongs to the first layout that claims it, in the order LeRobot, zarr, HDF5, Pika raw tree; a raw tree
-    beside an HDF5 file is that file's image store.
+    next to an HDF5 file is that file's image store.
 
     Args:
         files: relative file names.

@@ -2,7 +2,7 @@
 
 Not a measurement and not physics: a point-like gripper follows straight lines over a table, an orange lies still
 (static) or wanders until it is grasped (MOVE), and both end on a tray. Joint angles come from PIPER's kinematics.
-Two LeRobot v2.1 parts are written, `static_sample/` and `move_sample/`, beside a `SIMULATED.json` that says so.
+Two LeRobot v2.1 parts are written, `static_sample/` and `move_sample/`, next to a `SIMULATED.json` that says so.
 """
 
 from __future__ import annotations

@@ -81,10 +81,10 @@ def words(name: str) -> list[str]:
 
 
 def _by_name(names: Sequence[str]) -> tuple[dict[str, Columns], int]:
-    """The arms that names tell apart, and how many columns are of none of them, speeds and efforts aside."""
+    """The arms that names tell apart, and how many columns are of none of them, apart from speeds and efforts."""
     limbs: dict[str, dict[tuple[str, str], int | None]] = {}
-    spoken = [words(name) for name in names]
-    for column, found in enumerate(spoken):
+    name_words = [words(name) for name in names]
+    for column, found in enumerate(name_words):
         if (what := _meaning(found)) is None:
             continue
         side = next((_SIDES[word] for word in found if word in _SIDES), "")
@@ -93,7 +93,7 @@ def _by_name(names: Sequence[str]) -> tuple[dict[str, Columns], int]:
     arms = {limb: _columns(parts) for limb, parts in limbs.items()}
     arms = {limb: arm for limb, arm in arms.items() if arm.joints or arm.pose}
     read = {column for arm in arms.values() for column in (*arm.joints, *arm.pose, arm.gripper)}
-    return arms, sum(column not in read and not set(found) & _NO_PLACE for column, found in enumerate(spoken))
+    return arms, sum(column not in read and not set(found) & _NO_PLACE for column, found in enumerate(name_words))
 
 
 def _meaning(found: list[str]) -> tuple[str, str] | None:

@@ -56,7 +56,7 @@ def track_orange(frames: np.ndarray) -> np.ndarray:
 
 
 def speeds(centres: np.ndarray, timestamps_s: np.ndarray) -> np.ndarray:
-    """Speed between neighbouring frames, (T - 1,), in the unit of `centres` a second; NaN beside a hidden frame."""
+    """Speed between neighbouring frames, (T - 1,), in the unit of `centres` a second; NaN next to a hidden frame."""
     return np.linalg.norm(np.diff(centres, axis=0), axis=1) / np.diff(timestamps_s)
 
 

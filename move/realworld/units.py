@@ -1,4 +1,4 @@
-"""In which units a data set is written: told by names, else by the size of the numbers (`RANGES`), else by the reader.
+"""The units of a data set: read from names, else from the size of the numbers (`RANGES`), else given by the reader.
 
 LeRobot's own arms (SO-100, SO-101, Koch) have joints in degrees or from -100 to 100 per cent, which no size tells
 apart, and grippers in per cent; so may any arm that is not stated to be a PIPER. Whatever cannot be told is `unknown`

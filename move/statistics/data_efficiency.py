@@ -37,7 +37,7 @@ class Efficiency:
     draws: np.ndarray = field(default_factory=lambda: np.empty(0), repr=False, compare=False)
 
     def __str__(self) -> str:
-        return f"{self._told(self.ratio)} [{self._told(self.low)}, {self._told(self.high)}]"
+        return f"{self._text(self.ratio)} [{self._text(self.low)}, {self._text(self.high)}]"
 
     def surely(self, ratio: float, above: float) -> float:
         """`ratio` as far as it tells whether it is above a number: of `inf` only "more than `most`" is known."""
@@ -54,7 +54,7 @@ class Efficiency:
         sure = np.where((self.draws <= self.most) | (self.most >= above), self.draws, self.most)
         return min(1.0, 2 * max(int((sure <= above).sum()), 1) / len(self.draws))
 
-    def _told(self, ratio: float) -> str:
+    def _text(self, ratio: float) -> str:
         if ratio > self.most:
             return f"> {self.most:.2g}"
         return f"<= {self.least:.2g}" if ratio <= self.least else f"{ratio:.2g}"

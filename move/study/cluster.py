@@ -109,7 +109,7 @@ async def _call(address: str) -> None:
 
 
 def _problem(token: Path, there: dict[str, str]) -> str | None:
-    """On a worker: why it cannot store results beside the token, or what else it would compute, in one line.
+    """On a worker: why it cannot store results next to the token, or what else it would compute, in one line.
 
     Args:
         there: what decides results where they are asked for.

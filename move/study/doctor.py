@@ -11,7 +11,7 @@ from packaging.requirements import Requirement
 from move.machine import gl_problem, gl_renderer, processor
 from move.paths import LOCK
 
-MEMORY_GB = 4.0  # two image runs beside each other, and room to breathe
+MEMORY_GB = 4.0  # two image runs at a time, and room to breathe
 Check = dict[str, str]
 
 

@@ -1,7 +1,7 @@
 """The three kinds of run, each from named settings: what one would write as an axis of a grid.
 
 policy_run      collect, train, evaluate
-control_run     evaluate somebody who learnt nothing
+control_run     evaluate an untrained baseline
 collector_run   count attempts to demonstrate
 """
 

@@ -1,6 +1,6 @@
-"""Trained policies: the few that are shipped beside the results, and those that runs left on this machine.
+"""Trained policies: the few that are shipped next to the results, and those that runs left on this machine.
 
-Beside a finished policy, `policy.json` says of which run it is and holds the sha256 of every other file of its folder.
+Next to a finished policy, `policy.json` says of which run it is and holds the sha256 of every other file of its folder.
 Without it, or where something does not fit, the policy is refused.
 """
 
@@ -28,7 +28,7 @@ from move.study.spec import PolicyRun, RunSpec
 from move.untrusted import read_json
 
 SEAL = "policy.json"
-EPISODES = "episodes.safetensors"  # beside a shipped policy: what it did in some of its evaluation's episodes
+EPISODES = "episodes.safetensors"  # next to a shipped policy: what it did in some of its evaluation's episodes
 
 
 def _shipped(spec: RunSpec, profile: Profile) -> Path:
@@ -70,7 +70,7 @@ def of_run(name: str, profile: Profile) -> tuple[PolicyRun, DiffusionPolicy]:
 
 
 def seal(spec: RunSpec, folder: Path) -> None:
-    """Write beside a policy of which run it is, and what its files are."""
+    """Write next to a policy of which run it is, and what its files are."""
     with written_aside(folder / SEAL) as beside:
         beside.write_text(json.dumps({"run": spec.policy_hash, "sha256": _digests(folder)}, indent=1) + "\n")
 
@@ -139,7 +139,7 @@ def recorded_episodes(spec: RunSpec, profile: Profile) -> dict[int, np.ndarray]:
 
 
 def record_episodes(spec: RunSpec, profile: Profile, episodes: dict[int, np.ndarray]) -> Path:
-    """Write what a shipped policy did in these episodes beside it."""
+    """Write what a shipped policy did in these episodes next to it."""
     path = _shipped(spec, profile) / EPISODES
     with written_aside(path) as beside:
         save_file({str(number): np.ascontiguousarray(actions, np.float32) for number, actions in episodes.items()},
@@ -149,7 +149,7 @@ def record_episodes(spec: RunSpec, profile: Profile, episodes: dict[int, np.ndar
 
 
 def ship(spec: RunSpec, profile: Profile) -> Path:
-    """Copy the finished policy of a run on this machine beside the profile's results, and seal it.
+    """Copy the finished policy of a run on this machine next to the profile's results, and seal it.
 
     Raises:
         BadInput: there is none, or its training is unfinished.

@@ -1,7 +1,7 @@
 """A run as data: everything that decides a number, and its hash.
 
 PolicyRun       collect, train, evaluate
-ControlRun      evaluate somebody who learnt nothing
+ControlRun      evaluate an untrained baseline
 CollectionRun   count attempts to demonstrate
 RunSpec         any of the three; `run_spec_from_json` reads it back
 """
@@ -105,7 +105,7 @@ class PolicyRun(_Collected):
 
 
 class ControlRun(_Run):
-    """Evaluate an agent that learnt nothing: a floor or a ceiling."""
+    """Evaluate an untrained baseline: a floor or a ceiling."""
 
     kind: ClassVar[str] = "control"
 

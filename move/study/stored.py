@@ -5,7 +5,7 @@
 `digest` is the sha256 of the bytes that follow it. What follows from the spec is left out: the number of an episode,
 its group, its success where its successful steps are counted, and, as null, a column of the configuration that
 `starts` gives. Of a collection's record a value that all demonstrations share is stored once, and the grasps without
-the object's x and y, which are the grasp points, rounded. A file that somebody made or changed is refused, not drawn.
+the object's x and y, which are the grasp points, rounded. A file made or changed by hand is refused, not drawn.
 """
 
 from __future__ import annotations

@@ -228,7 +228,8 @@ def trials_for_a_robot(answer: int) -> str:
 def what_is_taught(answer: str) -> str:
     """What is left to MOVE when perception is given: nothing, so it teaches to see."""
     if answer in ("seeing", "acting"):
-        return "" if answer == "seeing" else "who is told where the object is needs no MOVE here: compare the two rows"
+        return "" if answer == "seeing" else (
+            "a policy that is given the object's place needs no MOVE here: compare the two rows")
     return f"{answer!r} given; allowed are 'seeing' and 'acting'"
 
 

@@ -29,7 +29,7 @@ def methods_film(task: str, size: int, seed: int) -> Video | Markdown:
 
 
 def outcomes_film(policy: DiffusionPolicy, spec: PolicyRun, size: int, seed: int) -> Video | Markdown:
-    """An evaluation episode in which the policy succeeds beside one in which it fails; the only one if all are alike.
+    """An evaluation episode in which the policy succeeds and one in which it fails; the only one if all are alike.
 
     Episodes are drawn at random by `seed`, at most twenty.
     """

@@ -156,17 +156,17 @@ def cell(episodes: pd.DataFrame, method: str) -> np.ndarray:
 
 
 @dataclass(frozen=True)
-class Beside:
+class BothIntervals:
     """One cell seen in two ways: as so many episodes, and as so many trainings at the same configurations."""
 
     episodes_alone: tuple[float, float]
     with_trainings: tuple[float, float]
 
 
-def beside(successes: np.ndarray) -> Beside:
+def both_intervals(successes: np.ndarray) -> BothIntervals:
     """Wilson's interval over all episodes, and the one that knows that another training differs."""
     found = success_rate(successes)
-    return Beside(wilson_interval(float(successes.mean()), successes.size), (found.low, found.high))
+    return BothIntervals(wilson_interval(float(successes.mean()), successes.size), (found.low, found.high))
 
 
 def seeds_table(episodes: pd.DataFrame, methods: tuple[str, ...] = ("static", "move")) -> pd.DataFrame:
@@ -174,7 +174,7 @@ def seeds_table(episodes: pd.DataFrame, methods: tuple[str, ...] = ("static", "m
     rows = []
     for method in methods:
         successes = cell(episodes, method)
-        both = beside(successes)
+        both = both_intervals(successes)
         rows.append({"method": NAMES[method], "each training": _per_cent(*successes.mean(axis=1)),
                      "mean": f"{100 * successes.mean():.0f}", "episodes alone": _per_cent(*both.episodes_alone),
                      "with trainings": _per_cent(*both.with_trainings)})

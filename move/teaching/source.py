@@ -1,4 +1,4 @@
-"""A function's own source, so that an equation stands beside the lines that compute it."""
+"""A function's own source, so that an equation is shown next to the lines that compute it."""
 
 from __future__ import annotations
 

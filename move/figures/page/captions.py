@@ -1,8 +1,8 @@
 """What stands under every figure and over every table: title, caption, alternative text.
 
 A figure's `WORDS` say what is drawn and what the marks are; the numbers (how many runs, seeds and episodes) are counted
-from the results by `numbers`, and what came out is the figure's `answer`. The files of a figure, the caption beside
-them, and the LaTeX tables all take their words from here.
+from the results by `numbers`, and the result in sentences is the figure's `answer`. The pictures' files, their captions
+and the LaTeX tables all take their words from here.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ class Words:
     Args:
         title: its question or its name in the paper.
         shown: what is drawn with which marks.
-        alt: what kind of figure it is, for who sees none.
+        alt: what kind of figure it is, for readers who cannot see it.
         tables: suffix of a table's name -> its caption.
         others: name -> words of the other pictures of the same file.
     """
@@ -56,7 +56,7 @@ class Caption:
     alt: str
 
     def markdown(self) -> str:
-        """The caption as the file beside the figure; `read` reads it back."""
+        """The caption as the file next to the figure; `read` reads it back."""
         return f"# {self.title}\n\n{self.text}\n\n**What came out.** {self.found}\n\n**Alternative text.** {self.alt}\n"
 
 
@@ -157,8 +157,8 @@ def numbers(results: list[Result], missing: int, purpose: str) -> str:
     return " ".join(f"{sentence}." for sentence in sentences)
 
 
-def behind(results: list[Result], missing: int) -> str:
-    """How much stands behind an answer, in a sentence: seeds, episodes, and what is missing."""
+def sample_size(results: list[Result], missing: int) -> str:
+    """The sample of an answer, in a sentence: seeds, episodes, and what is missing."""
     trained = [result for result in results if result.spec.training]
     seeds = Counter(result.spec.model_copy(update={"seed": 0}).hash for result in trained).values()
     stands = (f"It rests on {_span(seeds, 'seed')} a method and condition, "

@@ -35,8 +35,9 @@ class Change:
 
     def __str__(self) -> str:
         """What a reader of the figure must know."""
-        said = ", ".join(f"{name} {_spoken(value)} ({_spoken(own)})" for name, (value, own) in self.parameters.items())
-        return f"Not the shipped figure: {said}" if self else ""
+        changed = ", ".join(f"{name} {_value_text(value)} ({_value_text(own)})"
+                            for name, (value, own) in self.parameters.items())
+        return f"Not the shipped figure: {changed}" if self else ""
 
     @property
     def folder(self) -> Path:
@@ -44,8 +45,8 @@ class Change:
         if not self:
             return self.profile.figures if by_command() else paths.own_figures(self.profile.name)
         chosen = {name: value for name, (value, _) in self.parameters.items()}
-        told = json.dumps([self.profile.name, chosen], sort_keys=True)
-        return paths.own_figures(f"{self.figure}-{hashlib.sha256(told.encode()).hexdigest()[:8]}")
+        settings_text = json.dumps([self.profile.name, chosen], sort_keys=True)
+        return paths.own_figures(f"{self.figure}-{hashlib.sha256(settings_text.encode()).hexdigest()[:8]}")
 
 
 def get_ipython() -> Any:
@@ -75,7 +76,7 @@ def plain(value: Any) -> Any:
     return json.loads(json.dumps(value, default=str))
 
 
-def _spoken(value: Any) -> str:
+def _value_text(value: Any) -> str:
     if isinstance(value, list):
-        return ", ".join(map(_spoken, value)) or "none"
+        return ", ".join(map(_value_text, value)) or "none"
     return f"{value:,}" if isinstance(value, int) and not isinstance(value, bool) else str(value) or "none"

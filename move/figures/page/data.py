@@ -65,9 +65,9 @@ class Data:
         return f"{said} Missing: {missing_in_words(self.missing)}." if self.missing else said
 
     @property
-    def behind(self) -> str:
-        """How much stands behind an answer: seeds, episodes, and what is missing."""
-        return captions.behind(self.counted, len(self.missing))
+    def sample_size(self) -> str:
+        """The sample of an answer, in a sentence: seeds, episodes, and what is missing."""
+        return captions.sample_size(self.counted, len(self.missing))
 
     @property
     def remark(self) -> str:

@@ -1,7 +1,7 @@
 """Figures that simulate are made once: what was shipped is shown as long as it is made of the same things.
 
-Beside such a figure, `NAME.made.json` says what it was made of (its parameters, its runs, the policies that are there,
-the versions of what decides), what came out, and the sha256 of each of its files. A figure whose file says
+Next to such a figure `NAME.made.json` says what it was made of (its parameters, its runs, the policies that are there,
+the versions of what decides), its answer, and the sha256 of each of its files. A figure whose file says
 `SIMULATES = True` is made anew only if one of these differs.
 """
 
@@ -22,6 +22,8 @@ from move.files import written_aside
 from move.study.provenance import deciding
 from move.study.spec import RESULTS_VERSION
 
+WRITTEN = (".pdf", ".png", ".md", ".csv", ".tex", ".mp4")
+
 
 def keep(name: str, data: Data, chosen: Mapping[str, Any], answers: Mapping[str, str]) -> None:
     """Note what a figure was made of, once it is written."""
@@ -30,17 +32,17 @@ def keep(name: str, data: Data, chosen: Mapping[str, Any], answers: Mapping[str,
     files = sorted(path for path in data.folder.glob(f"{name}*") if _is_of(path, name))
     content = {"made_of": _made_of(data, chosen), "answers": dict(answers),
                "files": {path.name: _digest(path) for path in files}}
-    with written_aside(data.folder / f"{name}.made.json") as beside:
-        beside.write_text(json.dumps(content, indent=1, sort_keys=True) + "\n", encoding="utf-8")
+    with written_aside(data.folder / f"{name}.made.json") as new:
+        new.write_text(json.dumps(content, indent=1, sort_keys=True) + "\n", encoding="utf-8")
 
 
 def answers(name: str, data: Data, chosen: Mapping[str, Any]) -> dict[str, str] | None:
     """What came out of a figure that would be made of the same things as the one that is there; None of any other."""
-    beside = data.folder / f"{name}.made.json"
-    if not getattr(load(name), "SIMULATES", False) or not beside.exists():
+    record = data.folder / f"{name}.made.json"
+    if not getattr(load(name), "SIMULATES", False) or not record.exists():
         return None
     try:
-        content = json.loads(beside.read_text(encoding="utf-8"))
+        content = json.loads(record.read_text(encoding="utf-8"))
         same = content["made_of"] == _made_of(data, chosen) and all(
             _digest(data.folder / file) == digest for file, digest in content["files"].items())
         return content["answers"] if same else None
@@ -55,7 +57,8 @@ def tables(name: str, folder: Path) -> dict[str, pd.DataFrame]:
 
 
 def _is_of(path: Path, name: str) -> bool:
-    return path.stem.split(".")[0] == name or (path.suffix == ".mp4" and path.stem.startswith(f"{name}_"))
+    film = path.suffix == ".mp4" and path.stem.startswith(f"{name}_")
+    return film or (path.stem.split(".")[0] == name and path.suffix in WRITTEN)
 
 
 def _made_of(data: Data, chosen: Mapping[str, Any]) -> str:

@@ -26,7 +26,7 @@ from move.study.profiles import load_profile
 if TYPE_CHECKING:
     from IPython.display import Image, Markdown
     from pandas.io.formats.style import Styler
-    
+
 Item = TypeVar("Item")
 WIDEST = 900  # pixels of a picture in a notebook
 
@@ -45,15 +45,15 @@ class Made:
 
     @property
     def answer(self) -> Markdown:
-        """What came out, and where the files are if they are not the shipped ones."""
+        """The answer, and where the files are if they are not the shipped ones."""
         from IPython.display import Markdown
 
-        said = self.answers[self.name]
+        text = self.answers[self.name]
         if self.change or not changes.by_command():
             remark = f"{printed.as_markdown(str(self.change))}. " if self.change else ""
-            said += (f"\n\n{remark}Written to `{self.data.folder.relative_to(paths.ROOT)}/`; what is shipped stays as "
+            text += (f"\n\n{remark}Written to `{self.data.folder.relative_to(paths.ROOT)}/`; what is shipped stays as "
                      "it is.")
-        return Markdown(said)
+        return Markdown(text)
 
     def picture(self, name: str = "") -> Image:
         """A picture as it was written.
@@ -69,7 +69,7 @@ class Made:
 
     @property
     def films(self) -> list[Path]:
-        """The films beside the picture."""
+        """The films of the figure."""
         return sorted(self.data.folder.glob(f"{self.name}*.mp4"))
 
     def table(self, suffix: str = "") -> Styler | pd.DataFrame:

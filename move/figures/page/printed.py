@@ -1,6 +1,6 @@
 """Tables as people read them: human names, per cent and points, no NaN, no lists; in a notebook and in LaTeX.
 
-readable    a tidy table as text: rates in per cent, differences in points, one decimal, intervals beside their values
+readable    a tidy table as text: rates in per cent, differences in points, one decimal, intervals next to their values
 shown       the same for a notebook
 save        the tidy table as CSV, the readable one as LaTeX with caption and label
 """
@@ -133,14 +133,14 @@ INTERVALS = {"value": ("low", "high"), "difference": ("low", "high"), "ratio": (
 def readable(table: pd.DataFrame) -> pd.DataFrame:
     """A tidy table as text for people: headings, per cent and points with one decimal, a dash for what is not there.
 
-    The paper's column is in points beside a difference, in per cent beside a success, else a number of timesteps.
+    The paper's column is in points next to a difference, in per cent next to a success, else a number of timesteps.
     """
     table = table.reset_index() if table.index.name else table
     if {"iqm_first", "iqm_second"} <= set(table):
         table = table.assign(iqm_difference=table.iqm_first - table.iqm_second)
     if table.empty:
         return pd.DataFrame({"": ["not computed yet"]})
-    known, content, bounds = {**COLUMNS, **_by_company(table)}, {}, set()
+    known, content, bounds = {**COLUMNS, **_by_neighbours(table)}, {}, set()
     for name in table:
         ends = [end for end in INTERVALS.get(name, ()) if end in table]
         heading, cell = known.get(name, (str(name)[:1].upper() + str(name)[1:].replace("_", " "), _plain))
@@ -150,8 +150,8 @@ def readable(table: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(dict(column for name, column in content.items() if name not in bounds))
 
 
-def _by_company(table: pd.DataFrame) -> dict[str, tuple[str, Cell]]:
-    """The columns whose meaning hangs on what stands beside them."""
+def _by_neighbours(table: pd.DataFrame) -> dict[str, tuple[str, Cell]]:
+    """The columns whose meaning depends on the other columns."""
     paper: tuple[str, Cell] = ("Paper (points)", _points) if "difference" in table else (
         ("Paper (%)", _percent) if "value" in table else ("Paper, timesteps", _count))
     than = {"baseline": ("Against (%)", _percent)} if "share" in table else (
@@ -198,10 +198,10 @@ def save(
     joined = table.assign(**{column: [" ".join(map(str, values)) for values in table[column]]
                              for column in ("seeds",) if column in table and table[column].map(type).eq(list).any()})
     text = latex(readable(table) if printed is None else printed, name, caption)
-    with written_aside(folder / f"{name}.csv") as beside:
-        joined.to_csv(beside, float_format="%.4f", index=table.index.name is not None)
-    with written_aside(folder / f"{name}.tex") as beside:
-        beside.write_text(text, encoding="utf-8")
+    with written_aside(folder / f"{name}.csv") as new:
+        joined.to_csv(new, float_format="%.4f", index=table.index.name is not None)
+    with written_aside(folder / f"{name}.tex") as new:
+        new.write_text(text, encoding="utf-8")
 
 
 def latex(printed: pd.DataFrame, name: str, caption: str) -> str:

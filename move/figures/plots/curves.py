@@ -1,4 +1,4 @@
-"""Curves over a number: budgets, speeds, lengths of training, seeds; and what stands beside them."""
+"""Curves over a number: budgets, speeds, lengths of training, seeds; and what is drawn next to them."""
 
 from __future__ import annotations
 

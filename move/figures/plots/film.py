@@ -58,7 +58,7 @@ def one_of_each(
 ) -> list[tuple[dict, np.ndarray]]:
     """Play evaluation episodes in random order until one has succeeded and one has failed; these two, or the only one.
 
-    An episode is played alone here and was played beside others in the evaluation; rounding differs a little, and an
+    An episode is played alone here and in a batch with others in the evaluation; rounding differs a little, and an
     episode that hangs on a millimetre may end otherwise.
 
     Args:
@@ -122,7 +122,7 @@ def titled(frames: np.ndarray, title: str, task: str, outcome: str = "") -> np.n
 
 
 def side_by_side(films: Sequence[np.ndarray]) -> np.ndarray:
-    """Films of one height beside each other; one that is over keeps its last frame until the longest is."""
+    """Films of one height side by side; one that is over keeps its last frame until the longest is."""
     longest = max(len(frames) for frames in films)
     gap = np.full((longest, films[0].shape[1], 8, 3), 255, np.uint8)
     held = [np.concatenate([frames, np.repeat(frames[-1:], longest - len(frames), axis=0)]) for frames in films]

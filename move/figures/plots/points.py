@@ -116,7 +116,7 @@ def task_rates(table: pd.DataFrame, controls: pd.DataFrame, ax: Axes) -> None:
 
     Args:
         table: task, method, value, low, high; and, where the paper gives any, paper: hollow diamonds in the method's
-            colour beside its point.
+            colour next to its point.
         controls: one row a task; columns "expert" (ceiling) and, where it exists, "goal-blind" (floor).
     """
     tasks, methods = list(PAPER_TASKS), [name for name in COLOURS if name in set(table.method)]

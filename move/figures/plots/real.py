@@ -1,6 +1,6 @@
 """Plots of the real-robot table and data: functions of tidy tables and an Axes that read no disk.
 
-success_cells   success of the four cells with exact intervals, beside each other
+success_cells   success of the four cells with exact intervals, side by side
 score_cells     normalised scores, with the range that the successes alone leave open
 coverage_map    which cells of the half disc were visited
 paths           trajectories of the end effector over the half disc

@@ -1,4 +1,4 @@
-"""Whole figures of the real-robot data, laid out from the pieces of `real_plots`; simulated data are stamped as such.
+"""Whole figures of the real-robot data, laid out from the pieces of `real`; simulated data are stamped as such.
 
 cells_figure    success and score of the four cells
 setup_figure    coverage, trajectories and frames of each method: figure 8
@@ -23,7 +23,7 @@ SIMULATED_TEXT = "simulated data in the real layout"
 
 
 def cells_figure(table: pd.DataFrame) -> Figure:
-    """Lay out success and score of the four cells beside each other.
+    """Lay out success and score of the four cells side by side.
 
     Args:
         table: `trials.real_table`.

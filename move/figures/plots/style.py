@@ -128,7 +128,7 @@ def _places(figure: Figure) -> np.ndarray:
 
 
 def save(figure: Figure, name: str, folder: Path, caption: Caption | None = None) -> None:
-    """Write `name`.pdf and `name`.png into `folder`, and their caption, which both of them also hold, beside them.
+    """Write `name`.pdf and `name`.png into `folder`, and their caption, which both of them also hold, next to them.
 
     Where both are there, whole, and nobody could see a difference they stay: two machines draw the same scene a level
     of brightness apart in a pixel or two.
@@ -141,14 +141,14 @@ def save(figure: Figure, name: str, folder: Path, caption: Caption | None = None
     settle(figure)
     figure.savefig(drawn, format="png", metadata={"Software": None, "Title": title, "Description": alt})
     if not (_is_whole(page) and _look_alike(picture, drawn)):
-        with written_aside(page) as beside:
-            figure.savefig(beside, format="pdf",
+        with written_aside(page) as new:
+            figure.savefig(new, format="pdf",
                            metadata={"CreationDate": None, "ModDate": None, "Title": title, "Subject": alt})
-        with written_aside(picture) as beside:
-            beside.write_bytes(drawn.getvalue())
+        with written_aside(picture) as new:
+            new.write_bytes(drawn.getvalue())
     if caption:
-        with written_aside(folder / f"{name}.caption.md") as beside:
-            beside.write_text(caption.markdown(), encoding="utf-8")
+        with written_aside(folder / f"{name}.caption.md") as new:
+            new.write_text(caption.markdown(), encoding="utf-8")
 
 
 def _is_whole(page: Path) -> bool:

@@ -140,20 +140,20 @@ def variant_rows(
                        **as_columns(difference(cells[one], cells[other], noise))} for one, other in there])
 
 
-def spoken_difference(row: pd.Series) -> str:
+def difference_text(row: pd.Series) -> str:
     """A row of `difference_table` in words: "+12 points [+3, +21], above 0"; the word holds after Holm's adjustment."""
     clear = row.holm < LEVEL
     word = "not distinguishable from 0" if not clear else "above 0" if row.difference > 0 else "below 0"
     return f"{points(row.difference)} points [{points(row.low)}, {points(row.high)}], {word}"
 
 
-def spoken_rates(rates: pd.DataFrame, column: str = "value") -> str:
+def rates_text(rates: pd.DataFrame, column: str = "value") -> str:
     """A table of one rate a method in words: "static 79.2%, MOVE 91.7%"."""
     return ", ".join(f"{NAMES[method]} {value:.1%}" for method, value in zip(rates.method, rates[column], strict=True)
                      ) or "nothing is computed yet"
 
 
-def spoken_verdicts(table: pd.DataFrame, rates: pd.DataFrame, by: str = "") -> str:
+def verdicts_text(table: pd.DataFrame, rates: pd.DataFrame, by: str = "") -> str:
     """A `difference_table` with the paper's in column `paper`, in words: each difference and its verdict.
 
     Args:
@@ -163,7 +163,7 @@ def spoken_verdicts(table: pd.DataFrame, rates: pd.DataFrame, by: str = "") -> s
     keys = [by, "method"] if by else ["method"]
     baseline = rates.set_index(keys).value
     return "; ".join(
-        f"{row[by] + ' ' if by else ''}MOVE minus {NAMES[row.baseline]} {spoken_difference(row)}: "
+        f"{row[by] + ' ' if by else ''}MOVE minus {NAMES[row.baseline]} {difference_text(row)}: "
         + difference_verdict(row, baseline[(row[by], row.baseline) if by else row.baseline])
         for _, row in table.iterrows()) or "there is nothing to compare yet"
 
@@ -185,7 +185,7 @@ def points(difference: float) -> str:
     return f"{round(100 * difference):+d}"
 
 
-def spoken_counts(table: pd.DataFrame) -> str:
+def counts_text(table: pd.DataFrame) -> str:
     """Of comparisons with a column holm, how many are above 0 and how many below, in words."""
     clear = table[table.holm < LEVEL]
     above = int((clear.difference > 0).sum())
@@ -193,7 +193,7 @@ def spoken_counts(table: pd.DataFrame) -> str:
             "distinguishable from it")
 
 
-def spoken_differences(table: pd.DataFrame, means: pd.DataFrame) -> str:
+def differences_text(table: pd.DataFrame, means: pd.DataFrame) -> str:
     """A `difference_table` and its `difference_means` in words: where MOVE is above each other method, and the mean."""
     sentences = []
     for other, each in table.groupby("baseline", sort=False):
@@ -202,12 +202,12 @@ def spoken_differences(table: pd.DataFrame, means: pd.DataFrame) -> str:
         sentences.append(
             f"After Holm's adjustment MOVE is above {NAMES[other]} on {above} of {len(each)}, below it on "
             f"{len(clear) - above}, and not distinguishable on {len(each) - len(clear)}"
-            + (f"; on the mean {spoken_difference(mean.iloc[0])}" if len(mean) else "") + "."
+            + (f"; on the mean {difference_text(mean.iloc[0])}" if len(mean) else "") + "."
         )
     return " ".join(sentences) or "nothing is stored yet."
 
 
-def spoken_tasks(table: pd.DataFrame) -> str:
+def tasks_text(table: pd.DataFrame) -> str:
     """A `tasks_table` in words: mean, interquartile mean, probability of improvement, and the test over tasks."""
     return " ".join(
         f"Over {row.tasks} tasks, taken as a sample of tasks, MOVE minus {NAMES[row.baseline]} is "

@@ -1,4 +1,4 @@
-"""Tables: from episodes to rates with intervals, tidy and ready to be drawn, written or read aloud."""
+"""Tables: from episodes to rates with intervals, tidy and ready to be drawn, written or put in words."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def rate_table(episodes: pd.DataFrame, by: list[str], known: TrainingNoise = UNK
 
 def with_paper(table: pd.DataFrame, experiment: str, on: list[str], metric: str = "success", column: str = "paper",
                **where: str) -> pd.DataFrame:
-    """`table` with the paper's value beside each row, NaN where the paper gives none.
+    """`table` with the paper's value in each row, NaN where the paper gives none.
 
     Args:
         on: the columns of `table` that tell rows apart in the paper: its task, method or baseline; one column of
@@ -160,8 +160,8 @@ def with_missing(rates: pd.DataFrame, runs: list[LabelledRun], by: list[str]) ->
     return table.assign(seeds=[seeds if isinstance(seeds, list) else [] for seeds in table.seeds])
 
 
-def beside(rates: pd.DataFrame, floors: pd.DataFrame, means: pd.DataFrame | None = None) -> pd.DataFrame:
-    """A table for print: one row a task, for each method its rate, the paper's beside it; floor, ceiling, mean row.
+def task_layout(rates: pd.DataFrame, floors: pd.DataFrame, means: pd.DataFrame | None = None) -> pd.DataFrame:
+    """A table for print: one row a task, for each method its rate and the paper's; floor, ceiling, mean row.
 
     Args:
         rates: task, method, value, low, high; paper where the paper gives any.

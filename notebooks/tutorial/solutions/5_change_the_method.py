@@ -8,7 +8,7 @@ from move.sim.configuration import vector
 from move.sim.motion.equations import sample_speed
 from move.sim.motion.wrappers import PickMotion
 
-# 5.1: told where the object is, static does as well as MOVE
+# 5.1: given where the object is, static does as well as MOVE
 taught = "seeing"
 
 
