@@ -244,7 +244,6 @@ VALUES = [
     ("rollouts", "frames=0", "frames: 0 given"),
     ("rollouts", "seed=-1", "seed: -1 given"),
     ("demonstrations", "tasks=pick-place", "tasks: 'pick-place' given"),
-    ("demonstrations", "shown=nope", "shown: 'nope' given"),
     ("fig2", "image_size=9999", "image_size: 9999 given"),
     ("fig2", "rotating_task=5", "rotating_task: '5' given"),
     ("fig2", "timesteps=-1", "timesteps: -1 given"),
