@@ -3,7 +3,6 @@
 import json
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +11,6 @@ from safetensors import SafetensorError
 
 from move import cli, machine, paths
 from move.figures import named, names
-from move.figures.page import kernels
 from move.learn import checkpoint, dataset
 from move.study.doctor import examine, locked_versions
 
@@ -183,17 +181,6 @@ def test_what_fails_inside_a_notebook_is_told_in_one_useful_line(capsys, monkeyp
     monkeypatch.setattr("papermill.execute_notebook", fail)
     ended, out, err = move(capsys, "figure", "fig1", "--profile", "smoke", "--stored-only")
     assert (ended, out) == (code, "") and err.splitlines()[-1].startswith(f"move: {line}")
-    assert err.splitlines()[0] == "notebook fig1_sparse (1 of 1) (smoke) ..."
-
-
-def test_how_far_the_runs_of_a_notebook_are_is_watched(tmp_path, monkeypatch):
-    monkeypatch.setattr(paths, "RUNS", tmp_path)
-    (tmp_path / "a").mkdir()
-    (tmp_path / "a/progress").write_text("train 50 100")
-    seen = []
-    with kernels.watched(["a", "b"], lambda done, total: seen.append((done, total))):
-        time.sleep(1.5)
-    assert seen == [(pytest.approx(0.475), 2)]
 
 
 def test_a_mixture_with_motions_of_ones_own_by_hand(capsys, tmp_path):

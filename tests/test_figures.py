@@ -1,5 +1,6 @@
 """Every picture, drawn from planted results: readable when printed, panels lettered, nothing cut off, all captioned."""
 
+import math
 import re
 
 import matplotlib
@@ -81,7 +82,16 @@ def orange() -> plt.Figure:
 
 @pytest.fixture(scope="module")
 def world(tmp_path_factory):
-    yield World(tmp_path_factory.mktemp("world"), laid_out=True)
+    """Planted results, of which four figures lack a cell: question marks stand in its place."""
+    world = World(tmp_path_factory.mktemp("world"), laid_out=True)
+    fast = round(math.radians(2.67), 6)
+    for name, cell in (("fig4_scaling", {"task": "pick-place", "method": "move", "timesteps": 40_000}),
+                       ("fig7_speed", {"task": "pick-place", "method": "move", "camera_speed": fast}),
+                       ("few_demonstrations", {"method": "static", "timesteps": 1550}),
+                       ("fig_training_length", {"task": "push", "method": "move", "length": 3.0})):
+        for result in world.found(name, **cell):
+            (world.folder / f"results/laptop/{result.spec.hash}.json").unlink()
+    yield world
     plt.close("all")
 
 
@@ -118,7 +128,8 @@ def drawn(request, world):
     figure = picture(request.param, world)
     figure.set_label(request.param)
     style.remark(figure, "114 of 154 runs are missing")
-    figure.draw_without_rendering()
+    for _ in range(4):  # a pass of the layout starts where the last one ended
+        figure.draw_without_rendering()
     yield figure
     plt.close(figure)
 
@@ -158,7 +169,7 @@ MARKS = {  # what a caption calls it -> whether it is drawn
         isinstance(dots, PathCollection) and dots.get_sizes().tolist() == [8] and len(dots.get_offsets())
         for ax in figure.axes for dots in ax.collections),
     r"dotted": lambda figure: lines(figure, linestyle=":", color="black"),
-    r"[Dd]iamond": lambda figure: lines(figure, marker="D"),
+    r"[Dd]iamond": lambda figure: lines(figure, marker="D") and figure.get_label() != "statistics",  # "one shape a ..."
     r"[Qq]uestion marks": lambda figure: lines(figure, marker="$?$"),
     r"seen from above": lambda figure: any(isinstance(mesh, QuadMesh) for ax in figure.axes for mesh in ax.collections)
     or figure.get_label() in ("fig2_overview", "fig8_real_setup"),

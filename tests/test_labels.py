@@ -125,7 +125,7 @@ def runs(profile, seeds: int = 2):
     figures.names.cache_clear()
     try:
         assert "mine" in figures.names()
-        assert [run.labels["seed"] for run in parameters.runs("mine", SMOKE)] == [0, 1]
-        assert len(parameters.runs("mine", SMOKE, {"seeds": 5})) == 5
+        assert [run.labels["seed"] for run in parameters.runs("mine", load_profile("laptop"))] == [0, 1]
+        assert len(parameters.runs("mine", load_profile("laptop"), {"seeds": 5})) == 5
     finally:
         figures.names.cache_clear()

@@ -1,6 +1,7 @@
 """How a notebook is run, without a kernel: its parameters, what the kernel finds, and what happens when it dies."""
 
 import os
+import time
 
 import nbformat
 import pytest
@@ -115,3 +116,30 @@ def test_the_runs_that_are_watched_are_those_without_a_result_each_once(tmp_path
     (tmp_path / f"{wanted[0]}.json").write_text("{}")
     assert kernels.missing_runs(name, SMOKE, change) == wanted[1:]
     assert kernels.missing_runs("table4_hyperparameters", SMOKE, {}) == [], "which needs no runs"
+
+
+def test_notebooks_are_forks_of_this_process_and_each_ends_as_it_does(tmp_path, monkeypatch):
+    monkeypatch.setattr(paths, "RUNS", tmp_path)
+    monkeypatch.setattr(kernels, "LOOKS", 0.05)
+    missing = kernels.missing_runs("rollouts", SMOKE, {})
+    (tmp_path / missing[0]).mkdir()
+    (tmp_path / missing[0] / "progress").write_text("train 50 100")
+
+    def run(name, profile, changes, stored_only):
+        if name == "rollouts":
+            time.sleep(1)
+            return tmp_path / name
+        if name == "fig_mixture":
+            os._exit(9)
+        raise {"gap": BadInput, "fig1_sparse": kernels.NotebookFailed}[name](f"{name}: no")
+
+    monkeypatch.setattr(kernels, "run_notebook", run)
+    seen = []
+    asked = ["gap", "rollouts", "fig1_sparse", "fig_mixture"]
+    ended = kernels.run_notebooks(asked, SMOKE, {}, on_progress=lambda *so_far: seen.append(so_far))
+    done = {one.name: one for one in ended}
+    assert done["rollouts"].executed == tmp_path / "rollouts" and done["rollouts"].problem is None
+    assert isinstance(done["gap"].problem, BadInput) and str(done["gap"].problem) == "gap: no"
+    assert isinstance(done["fig1_sparse"].problem, kernels.NotebookFailed)
+    assert "killed" in str(done["fig_mixture"].problem) and list(done) == asked
+    assert (["rollouts"], pytest.approx(1 + 0.475 / len(missing)), 0, len(missing)) in seen

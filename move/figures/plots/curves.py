@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FuncFormatter
+from matplotlib.ticker import FuncFormatter, MultipleLocator
 
 from move.figures.plots.axes import log_ticks, short, success_axis
 from move.figures.plots.style import COLOURS, LEAST_POINTS, NAMES
@@ -111,11 +111,15 @@ def half_widths(table: pd.DataFrame, ax: Axes) -> None:
     Args:
         table: seeds, deviation, half_width, of one kind of interval.
     """
-    most = table.deviation.max()
+    most, apart = table.deviation.max(), 0.06 * table.half_width.max()  # names of lines do not touch
     for deviation, rows in table.groupby("deviation"):
         ax.plot(rows.seeds, rows.half_width, "o-", color="black", alpha=0.35 + 0.65 * deviation / most, ms=3.5)
-        ax.annotate(f"{100 * deviation:.0f} points", (rows.seeds.iloc[-1], rows.half_width.iloc[-1]), xytext=(4, -2),
+    ends = table[table.seeds == table.seeds.max()].sort_values(["half_width", "deviation"])
+    heights = np.maximum.accumulate(ends.half_width - apart * np.arange(len(ends))) + apart * np.arange(len(ends))
+    for last, height in zip(ends.itertuples(), heights - (heights - ends.half_width).mean(), strict=True):
+        ax.annotate(f"{100 * last.deviation:.0f} points", (last.seeds, height), xytext=(4, -2),
                     textcoords="offset points", fontsize=LEAST_POINTS)
     ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{100 * value:.0f}"))
+    ax.yaxis.set_major_locator(MultipleLocator(0.05))
     ax.set(xlabel="seeds", ylabel="half width of the interval (points)", xticks=sorted(table.seeds.unique()),
            xlim=(None, table.seeds.max() + 1), ylim=(0, None))
