@@ -9,12 +9,15 @@ from __future__ import annotations
 import os
 import signal
 import threading
+from collections.abc import Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import contextmanager
 from itertools import count
-from multiprocessing import get_context
+from multiprocessing import current_process, get_context
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 from pathlib import Path
+from typing import Any
 
 from move.errors import BadInput
 from move.machine import end_with, one_thread_in_children
@@ -64,7 +67,8 @@ class Processes:
             number = next(free for free in count() if free not in self._running.values())
             process = SPAWN.Process(target=_compute, args=(os.getpid(), number, asked, spec, folder, deciding()),
                                     daemon=True)
-            process.start()
+            with _children_allowed():
+                process.start()
             self._running[process] = number
             return process
 
@@ -74,6 +78,18 @@ class Processes:
             self._ended = True
             for process in self._running:
                 process.kill()
+
+
+@contextmanager
+def _children_allowed() -> Iterator[None]:
+    """Let a daemon start a process, as Dask's workers are; the child ends with it all the same (`end_with`)."""
+    config: dict[str, Any] = vars(current_process())["_config"]
+    daemon = config.pop("daemon", None)
+    try:
+        yield
+    finally:
+        if daemon is not None:
+            config["daemon"] = daemon
 
 
 def _cause(code: int) -> str:
