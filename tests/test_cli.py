@@ -181,6 +181,7 @@ def test_what_fails_inside_a_notebook_is_told_in_one_useful_line(capsys, monkeyp
     monkeypatch.setattr("papermill.execute_notebook", fail)
     ended, out, err = move(capsys, "figure", "fig1", "--profile", "smoke", "--stored-only")
     assert (ended, out) == (code, "") and err.splitlines()[-1].startswith(f"move: {line}")
+    assert err.splitlines()[0] == "notebook fig1_sparse (1 of 1) (smoke) ..."
 
 
 def test_a_mixture_with_motions_of_ones_own_by_hand(capsys, tmp_path):

@@ -165,6 +165,7 @@ def figure(
         refuse_unwritable(place / "figure.png")
     from move.figures.page import kernels
     from move.figures.page.changes import change
+    from move.figures.page.kept import files_of
     from move.figures.page.parameters import runs
 
     names = names or kernels.of_profile(chosen)
@@ -172,10 +173,14 @@ def figure(
         runs(name, chosen, changes)
     rows: list[dict[str, Any]] = []
     failed: list[str] = []
+    begun: list[str] = []
     with progress("figures") as report:
         def on_progress(under_way: list[str], done: float, of_runs: int, asked: int) -> None:
-            text = ", ".join(under_way) + (f": {of_runs} of {asked} runs" if asked else "")
-            report(done, len(names), text=text)
+            for name in [name for name in under_way if name not in begun]:
+                begun.append(name)
+                if not sys.stderr.isatty():
+                    typer.echo(f"notebook {name} ({len(begun)} of {len(names)}) ({profile}) ...", err=True)
+            report(done, len(names), text=", ".join(under_way) + (f": {of_runs} of {asked} runs" if asked else ""))
 
         for done in kernels.run_notebooks(names, chosen, changes, stored_only, on_progress):
             if done.problem is not None:  # what can be drawn is
@@ -185,12 +190,9 @@ def figure(
                 said = str(done.problem)
                 typer.echo(f"move: {said if done.name in said else f'{done.name}: {said}'}", err=True)
                 continue
-            folder = change(done.name, chosen, changes).folder
-            written = sorted(path for path in folder.glob("*") if path.stat().st_mtime >= done.began
-                             and _is_of(path.name, done.name))
-            rows.append({"notebook": done.name, "executed": done.executed, "written": written})
-            if not sys.stderr.isatty():
-                typer.echo(f"{done.name} ({len(rows) + len(failed)} of {len(names)})", err=True)
+            files = files_of(done.name, change(done.name, chosen, changes).folder)
+            rows.append({"notebook": done.name, "executed": done.executed,
+                         "written": [path for path in files if path.stat().st_mtime >= done.began]})
     if as_json:
         show(rows, True, "")
     else:
@@ -199,12 +201,6 @@ def figure(
         if len(names) > 1:
             typer.echo(f"move: {len(failed)} of {len(names)} not drawn: {', '.join(failed)}", err=True)
         raise typer.Exit(1)
-
-
-def _is_of(file: str, figure: str) -> bool:
-    """Whether a file is one of a figure's; others may be written at the same time."""
-    return any(file.startswith(name) and not file[len(name):len(name) + 1].isalnum()
-               for name in (figure, *listed.load(figure).WORDS.others)) or file.startswith(f"{figure}.")
 
 
 @app.command(epilog=examples("move doctor"))

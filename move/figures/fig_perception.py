@@ -31,7 +31,7 @@ def runs(
     Observations without a recipe in the profile are left out.
     """
     runs: list[LabelledRun] = []
-    for observation in [name for name in observations if name in profile.observations]:
+    for observation in observations:
         for name, figure in PRELIMINARY.items():
             budget = (timesteps,) if figure is fig3_dense else timesteps
             alone = {"lengths": ()} if figure is fig1_sparse else {}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pandas as pd
 
-from move.figures import table6_collection
+from move.figures.page import parameters
 from move.figures.page.captions import Words
 from move.figures.page.data import Data
 from move.figures.tables import collection_costs, with_paper
@@ -16,7 +16,7 @@ from move.study.profiles import Profile
 
 def runs(profile: Profile) -> list[LabelledRun]:
     """Those of table 6, whose demonstrations say how long one is."""
-    return table6_collection.runs(profile, **profile.parameters("table6_collection"))
+    return parameters.runs("table6_collection", profile)
 
 
 def tables(data: Data) -> dict[str, pd.DataFrame]:

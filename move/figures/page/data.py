@@ -37,6 +37,7 @@ class Data:
     results: list[Result] = field(default_factory=list)
     missing: list[tuple[RunSpec, str]] = field(default_factory=list)
     seen: Any = None
+    _noises: dict[tuple[str, bool], TrainingNoise] = field(default_factory=dict, init=False)
 
     @cached_property
     def episodes(self) -> pd.DataFrame:
@@ -50,7 +51,9 @@ class Data:
 
     def noise(self, observation: str = "rgb", grid: bool = False) -> TrainingNoise:
         """How much a rate varies from training to training, the same in every figure, see `known_noise`."""
-        return known_noise(self.profile, observation, grid)
+        if (observation, grid) not in self._noises:
+            self._noises[observation, grid] = known_noise(self.profile, observation, grid)
+        return self._noises[observation, grid]
 
     def with_missing(self, table: pd.DataFrame, by: list[str]) -> pd.DataFrame:
         """`table` with a row for everything that the runs were to tell, NaN where it is missing, in their order."""

@@ -19,6 +19,7 @@ from move.figures import load
 from move.figures.page.changes import plain
 from move.figures.page.data import Data
 from move.files import written_aside
+from move.machine import gl_problem
 from move.study.provenance import deciding
 from move.study.spec import RESULTS_VERSION
 
@@ -27,9 +28,9 @@ WRITTEN = (".pdf", ".png", ".md", ".csv", ".tex", ".mp4")
 
 def keep(name: str, data: Data, chosen: Mapping[str, Any], answers: Mapping[str, str]) -> None:
     """Note what a figure was made of, once it is written."""
-    if not getattr(load(name), "SIMULATES", False):
+    if not getattr(load(name), "SIMULATES", False) or gl_problem():  # without GL there would be no images to keep
         return
-    files = sorted(path for path in data.folder.glob(f"{name}*") if _is_of(path, name))
+    files = [path for path in files_of(name, data.folder) if path.suffix in WRITTEN]
     content = {"made_of": _made_of(data, chosen), "answers": dict(answers),
                "files": {path.name: _digest(path) for path in files}}
     with written_aside(data.folder / f"{name}.made.json") as new:
@@ -56,9 +57,11 @@ def tables(name: str, folder: Path) -> dict[str, pd.DataFrame]:
             for suffix in load(name).WORDS.tables}
 
 
-def _is_of(path: Path, name: str) -> bool:
-    film = path.suffix == ".mp4" and path.stem.startswith(f"{name}_")
-    return film or (path.stem.split(".")[0] == name and path.suffix in WRITTEN)
+def files_of(name: str, folder: Path) -> list[Path]:
+    """The files of a figure in a folder that may hold others': pictures, tables, captions, films."""
+    own = (name, *load(name).WORDS.others)
+    return sorted(path for path in folder.glob("*") if any(
+        path.name.startswith(one) and not path.name[len(one):len(one) + 1].isalnum() for one in own))
 
 
 def _made_of(data: Data, chosen: Mapping[str, Any]) -> str:

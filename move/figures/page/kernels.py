@@ -70,11 +70,14 @@ def run_notebooks(
     """Execute notebooks, each in a fork of this process, and give each as it ends.
 
     What they import is imported here, once. From stored results as many run at a time as there are cores; what
-    computes has all cores for itself. Where forks are not possible, and for a single notebook, each runs from here.
+    computes has all cores for itself. Where forks are not possible, and for a single notebook that computes nothing,
+    each runs from here.
     """
-    if len(asked) == 1 or not forked.POSSIBLE:
-        for name in asked:
+    if not forked.POSSIBLE or (stored_only and len(asked) == 1):
+        for number, name in enumerate(asked):
             began = time.time()
+            if on_progress:
+                on_progress([name], number, 0, 0)
             try:
                 yield Done(name, began, run_notebook(name, profile, changes, stored_only))
             except (NotebookFailed, BadInput) as problem:
@@ -88,12 +91,12 @@ def run_notebooks(
         while waiting or working:
             while waiting and len(working) < at_once:
                 working.append(_start(waiting.popleft(), profile, changes, stored_only))
-            ready = wait([worker.answer for worker in working], LOOKS)
             if on_progress:
                 under_way = [how_far(paths.RUNS / run) for worker in working for run in worker.missing]
                 so_far = sum(found[1] for found in under_way if found)
                 on_progress([worker.name for worker in working], done + (so_far / len(under_way) if under_way else 0),
                             round(so_far), len(under_way))
+            ready = wait([worker.answer for worker in working], LOOKS)
             for worker in [worker for worker in working if worker.answer in ready]:
                 working.remove(worker)
                 done += 1

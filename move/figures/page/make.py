@@ -18,7 +18,6 @@ from move.figures import load
 from move.figures.page import captions, changes, kept, printed
 from move.figures.page.data import Data, load_or_run
 from move.figures.page.parameters import call, parameters, parts
-from move.figures.page.parameters import runs as runs_of
 from move.figures.plots import style
 from move.study.execute import progress_bars
 from move.study.profiles import load_profile
@@ -95,7 +94,7 @@ def make(name: str, profile: str, **given: Any) -> Made:
     change = changes.change(name, settings, given)
     chosen, functions = parameters(name, settings, given), parts(name)
     style.use_style()
-    data = (load_or_run(runs_of(name, settings, given), settings, change.folder) if "runs" in functions
+    data = (load_or_run(call(name, "runs", chosen, settings), settings, change.folder) if "runs" in functions
             else Data(settings, change.folder))
     if (answers := kept.answers(name, data, chosen)) is not None:
         return Made(name, data, kept.tables(name, data.folder), {}, {}, answers, change)
