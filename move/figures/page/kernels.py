@@ -6,6 +6,7 @@ import gc
 import multiprocessing
 import os
 import re
+import signal
 import sys
 import time
 from collections import deque
@@ -22,6 +23,7 @@ from move.figures import load, names
 from move.figures.page import forked
 from move.figures.page.changes import BY_COMMAND, plain
 from move.figures.page.parameters import parameters, parts, runs, specs
+from move.machine import end_with
 from move.study.execute import how_far
 from move.study.profiles import Profile
 
@@ -132,7 +134,11 @@ def _start(name: str, profile: Profile, changes: dict[str, Any] | None, stored_o
 
 
 def _work(answer: Connection, name: str, profile: Profile, changes: dict[str, Any] | None, stored_only: bool) -> None:
-    """In the fork: execute one notebook and say what came of it."""
+    """In the fork: execute one notebook and say what came of it; Ctrl-C ends its kernel too."""
+    parent = multiprocessing.parent_process()
+    assert parent is not None and parent.pid is not None
+    end_with(parent.pid)
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
         answer.send(("executed", str(run_notebook(name, profile, changes, stored_only))))
     except (NotebookFailed, BadInput) as problem:
