@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import Literal
 
 Factors = Literal["object", "object+hand", "object+target", "all"]
-Protocol = Literal["random", "sparse", "dense", "circle"]
+Protocol = Literal["random", "sparse", "dense", "circle", "placed"]
+PlacementRule = Literal["random", "jittered", "halton"]
 ExpertName = Literal["phase", "metaworld"]
 Place = Literal["package", "authors"]
 Drawing = Literal["plain", "full"]

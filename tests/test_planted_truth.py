@@ -48,7 +48,7 @@ COLOURS = {"static": "#0072b2", "adc": "#e69f00", "move": "#d55e00", "mixture": 
 TITLES = {name: task.title for name, task in TASKS.items()}
 ANYWHERE = {"hand": "anywhere", "group": "grid"}  # where the hand starts in figures 1, 3 and 5
 NEAR = {"hand": "within 3 cm", "group": "grid"}
-REPEATED = ("fig1_sparse", "few_demonstrations", "fig3_dense", "fig5_circle", "fig_perception",
+REPEATED = ("fig1_sparse", "few_demonstrations", "fifty_demonstrations", "fig3_dense", "fig5_circle", "fig_perception",
             "table1_spatial_factors", "table2_main", "fig6_dimensions", "keypoint_control", "table_keypoint_control")
 """Whose repeated trainings tell how much trainings differ, wherever a rate is shown."""
 Row = dict[str, Any]
@@ -157,6 +157,33 @@ def budget(row: Row) -> Row:
     return {"timesteps": 18_000 if row["method"] == "static" and row["equal"] == "demonstrations" else 20_000}
 
 
+ARMS: dict[str, tuple[str, str, int]] = {  # method, rule, places; 0: as many as demonstrations
+    "5 places": ("static", "jittered", 5), "10 places": ("static", "jittered", 10),
+    "each its own, random": ("static", "random", 0), "each its own, jittered grid": ("static", "jittered", 0),
+    "each its own, Halton": ("static", "halton", 0), "MOVE, 5 places": ("move", "jittered", 5),
+    "MOVE, random": ("move", "random", 0)}
+
+
+def arm(row: Row) -> Row:
+    """How the demonstrations of an arm are placed, and how many there are or how long they may be."""
+    method, rule, places = ARMS[row["arm"]]
+    timed = row["equal"] == "timesteps" and method == "move"
+    return {"method": method, "placement": (rule, places or row["demonstrations"]),
+            "demonstrations": None if timed else row["demonstrations"],
+            "timesteps": (72 if timed else 200) * row["demonstrations"]}
+
+
+def asked_again(row: Row) -> Row:
+    """A side of a claim that is asked again."""
+    usual = frozenset(("object", "target", "camera", "rotation")[: 4 if row["claim"] == 26 else 3])
+    found = {"task": "assembly" if row["claim"] == 26 else "pick-place", "method": "move", "timesteps": 20_000,
+             "law": "beta", "moving": usual}
+    return found | {
+        "static, 50,000": {"method": "static", "timesteps": 50_000, "law": "static", "moving": frozenset()},
+        "uniform": {"law": "uniform"}, "constant": {"law": "constant"}, "without": {"moving": usual - {"rotation"}},
+    }.get(row["variant"], {})
+
+
 def length(row: Row) -> Row:
     return {"length": round(row["length"], 2)}
 
@@ -186,6 +213,8 @@ RATES = {
     "fig_mixture": Rates("fig_mixture", ("share",)),
     "fig_training_length": Rates("fig_training_length", ("method", "task"), more=length),
     "equal_demonstrations": Rates("equal_demonstrations", ("method",), more=budget),
+    "fifty_demonstrations": Rates("fifty_demonstrations", ("task",), {"group": "grid"}, "grid", "rgb grid", arm),
+    "decided": Rates("decided", (), more=asked_again),
     "fig_perception": Rates("fig_perception", ("method", "observation"), more=experiment),
     "fig_coverage": Rates("fig_coverage", ("task",), more=moving),
     "table_adc": Rates("table_adc", ("observation", "task", "jumping")),
@@ -262,7 +291,7 @@ def test_no_two_columns_of_cells_are_alike(world, name):
 
 def alike(world: World, name: str, rows: list[Row]) -> list[tuple[str, Any, Any]]:
     """Two values of a column, such as two methods, that have the same rates whatever the rest is."""
-    keys = [key for key in (*RATES[name].columns, RATES[name].place, "moves", "part", "speed", "length", "equal",
+    keys = [key for key in (*RATES[name].columns, RATES[name].place, "moves", "part", "speed", "length", "equal", "arm", "demonstrations", "variant",
                             "experiment", "case", "setting") if key in rows[0]]
     cells = [({key: row[key] for key in keys}, cell(world, name, row).mean()) for row in rows]
     same: dict[tuple[str, Any, Any], list[bool]] = {}
@@ -316,6 +345,8 @@ DIFFERENCES = {
     "fig_speed_law_others": Differences("fig_speed_law", "law", ()),
     "equal_demonstrations_differences": Differences("equal_demonstrations"),
     "fig_training_length_differences": Differences("fig_training_length", holm=("length",)),
+    "fifty_demonstrations_differences": Differences("fifty_demonstrations", "arm", ("task", "equal", "demonstrations")),
+    "decided_differences": Differences("decided", "variant", ("claim",)),
     "fig_perception_differences_rgb": Differences("fig_perception"),
     "fig_perception_differences_keypoints": Differences("fig_perception"),
     "keypoint_control_differences": Differences("keypoint_control"),

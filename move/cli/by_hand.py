@@ -1,7 +1,9 @@
-"""By hand: collect, export, train, evaluate, compare."""
+"""By hand: collect, placements, export, train, evaluate, compare."""
 
 from __future__ import annotations
 
+import csv
+import math
 import re
 import time
 from pathlib import Path
@@ -9,11 +11,12 @@ from typing import Annotated, Literal, Optional
 
 import typer
 
-from move.choices import Control, ExpertName, ExportFormat, Factors, Protocol, SpeedLaw
+from move.choices import Control, ExpertName, ExportFormat, Factors, PlacementRule, Protocol, SpeedLaw
 from move.cli.options import ClipActions, Json, MethodName, ProfileName, Seed, Task, TaskName, app, examples
-from move.cli.output import progress, show
+from move.cli.output import progress, show, show_paths
 from move.errors import BadInput
 from move.files import refuse_unwritable
+from move.sim.configuration import Box
 from move.sim.observe import IMAGE_SIZE, ObservationKind
 
 Speed = Annotated[Optional[float], typer.Option(help="the largest, metres per step")]
@@ -25,6 +28,7 @@ OF_A_CHECKPOINT = re.compile(r"run\.json|tensors-\d+\.safetensors|\.?[\w.-]+\.(p
     "move collect --task push --method adc --timesteps 5000",
     "move collect --observation rgb --image-size 64 --out push.zarr --overwrite",
     "move collect --object-speed 0.06 --moving object,target",
+    "move collect --protocol placed --placement jittered --places 50 --demonstrations 50 --timesteps 10000",
     "move collect --method mixture --shares static=0.5,move=0.5"))
 def collect(
     out: Annotated[Optional[Path], typer.Option(help="zarr folder to write (default: under build/data)")] = None,
@@ -36,6 +40,9 @@ def collect(
     factors: Annotated[Optional[Factors], typer.Option(
         help="what is random (all; the object under a protocol)")] = None,
     protocol: Annotated[Protocol, typer.Option(help="where it grasps")] = "random",
+    placement: Annotated[PlacementRule, typer.Option(help="how protocol placed chooses its places")] = "jittered",
+    places: Annotated[Optional[int], typer.Option(help="how many places protocol placed has")] = None,
+    demonstrations: Annotated[Optional[int], typer.Option(help="after how many it ends, if the budget allows")] = None,
     expert: Annotated[ExpertName, typer.Option(help="who demonstrates")] = "phase",
     object_speed: Speed = None,
     target_speed: Speed = None,
@@ -59,18 +66,23 @@ def collect(
     if protocol != "random" and factors not in (None, "object"):
         raise BadInput(f"factors: {factors!r} given with protocol {protocol!r}, which prescribes where all begins but "
                        "the object; allowed is object")
+    if (places is None) == (protocol == "placed"):
+        raise BadInput(f"places: {places or 'none'} given with protocol {protocol!r}; allowed are 1 or more with "
+                       "'placed', and with it alone")
+    placed = {"rule": placement, "places": places} if places is not None else None
     chosen = build(collecting.Collection, task=task, method=method, timesteps=timesteps, observation=observation,
                    image_size=IMAGE_SIZE if image_size is None else image_size,
                    factors=factors or ("all" if protocol == "random" else "object"), protocol=protocol, expert=expert,
+                   placement=placed, demonstrations=demonstrations,
                    object_speed=object_speed, target_speed=target_speed, camera_speed=camera_speed,
                    yaw_speed=yaw_speed, speed_law=speed_law, shares=_shares(shares),
                    moving=moving.split(",") if moving is not None else None)
     path = out or paths.BUILD / "data" / f"{task}-{method}-{protocol}-{observation}-{timesteps}-{seed}.zarr"
     dataset.check_place(path, overwrite)
     with progress("collect") as report:
-        demonstrations, record = collecting.collect(chosen, seed, report)
+        made, record = collecting.collect(chosen, seed, report)
     attributes = collecting.record_attributes(chosen, seed, record)
-    dataset.save(demonstrations, path, attributes, overwrite)
+    dataset.save(made, path, attributes, overwrite)
     content = {"path": str(path.absolute()), "task": task, "method": method, **attributes["record"]}
     content["wall_seconds"] = content.pop("seconds")
     content["steps_per_second"] = record.attempts * record.mean_steps / record.seconds
@@ -88,6 +100,48 @@ def _shares(text: str | None) -> dict[str, float]:
         raise BadInput(f"shares: {text!r} given; allowed are methods with numbers, such as static=0.5,move=0.5"
                        ) from error
 
+
+@app.command(epilog=examples("move placements --places 50", "move placements --within 0,0,40,30 --places 10",
+                             "move placements --places 50 --speed 3 --out sheet.csv"))
+def placements(
+    places: Annotated[int, typer.Option(min=1, max=10_000, help="how many places there are")] = 50,
+    rule: Annotated[PlacementRule, typer.Option(help="how they are chosen")] = "jittered",
+    within: Annotated[str, typer.Option(help="corners of the table's part: x,y,x,y in cm")] = "0,0,30,30",
+    demonstrations: Annotated[int, typer.Option(min=1, max=10_000, help="rows; places are taken again in order")] = 50,
+    speed: Annotated[float, typer.Option(min=0, max=100, help="of MOVE, the largest, cm per second; 0: static")] = 0.0,
+    seconds: Annotated[float, typer.Option(min=0.1, max=60, help="how long MOVE's object moves to its place")] = 3.0,
+    seed: Seed = 0,
+    out: Annotated[Optional[Path], typer.Option(help="CSV file to write instead")] = None,
+    as_json: Json = False,
+) -> None:
+    """A sheet for a real table: where to put the object for each demonstration, in order; for MOVE, how it moves."""
+    from move.files import written_aside
+    from move.sim.placement import Placement, sheet
+
+    rows = sheet(Placement(rule=rule, places=places), _rectangle(within), seed, demonstrations, speed, seconds)
+    units = {"x": "x (cm)", "y": "y (cm)", "start_x": "start x (cm)", "start_y": "start y (cm)",
+             "direction": "direction (deg)", "speed": "speed (cm/s)"}
+    shown = [{units.get(name, name): value for name, value in row.items()} for row in rows]
+    if out is None:
+        return show(rows if as_json else shown, as_json, f"Placements: {rule}, {places} places, seed {seed}")
+    refuse_unwritable(out)
+    with written_aside(out) as beside, beside.open("w", newline="") as file:
+        writer = csv.DictWriter(file, list(shown[0]))
+        writer.writeheader()
+        writer.writerows(shown)
+    show_paths([out.absolute()])
+
+
+def _rectangle(text: str) -> Box:
+    """`x,y,x,y` as a flat box, in the same unit."""
+    try:
+        x, y, far_x, far_y = (float(part) for part in text.split(","))
+        if not (math.isfinite(x + y + far_x + far_y) and x < far_x and y < far_y):
+            raise ValueError
+    except ValueError:
+        raise BadInput(f"within: {text!r} given; allowed are the low and the high corner in cm, such as 0,0,40,30"
+                       ) from None
+    return Box((x, y, 0.0), (far_x, far_y, 0.0))
 
 @app.command(epilog=examples("move export build/data/NAME.zarr build/lerobot/NAME",
                              "move export build/data/NAME.zarr copy.zarr --format zarr"))

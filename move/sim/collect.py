@@ -137,7 +137,7 @@ def attempts(collection: Collection, seed: int, env: gymnasium.Env | None = None
     expert = make_expert(collection.expert, task)
     attempt = kept = 0
     while True:
-        point = grasp_point(collection.protocol, task, kept, seed)
+        point = grasp_point(collection.protocol, task, kept, seed, collection.placement)
         options = _start(collection, task, point, attempt_seed(seed, attempt))
         episode = demonstrate(env, expert, attempt_seed(seed, attempt), options)
         if (point is not None and not _grasped_there(episode, point)) or episode.jumps < required_jumps(collection):
@@ -175,7 +175,9 @@ def collect(
     collection: Collection, seed: int, on_step: Callable[[int, int], None] | None = None,
     env: gymnasium.Env | None = None,
 ) -> tuple[Demonstrations, CollectionRecord]:
-    """Collect demonstrations until the budget is full; of a mixture one part behind the other.
+    """Collect demonstrations until the budget is full, or there are as many as the collection wants.
+
+    Of a mixture one part comes behind the other.
 
     A part is what its method alone would collect with the same seed under that part's budget.
 
@@ -203,9 +205,10 @@ def collect(
                     on_step(kept.ends[-1], collection.timesteps)
             if failed_in_a_row >= PATIENCE:
                 raise BadInput(f"{part.task}, {part.method}: {PATIENCE} attempts in a row failed")
-            if kept.ends[-1:] == [kept.end]:
+            if kept.ends[-1:] == [kept.end] or len(kept.ends) == collection.demonstrations:
                 break
-    made = Demonstrations(kept.observations, kept.actions, np.array(kept.ends, np.int64))
+    used = kept.ends[-1]
+    made = Demonstrations(kept.observations[:used], kept.actions[:used], np.array(kept.ends, np.int64))
     return made, kept.record(tried, time.perf_counter() - started)
 
 
@@ -243,7 +246,7 @@ class _Kept:
         return CollectionRecord(
             attempts=attempts,
             demonstrations=len(self.starts),
-            timesteps=self.budget,
+            timesteps=self.ends[-1],
             mean_steps=self.steps / len(self.starts),
             generation_rate=len(self.starts) / attempts,
             grasp_points=[grasp.object_position[:2] for grasp in self.grasps],

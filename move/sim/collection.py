@@ -13,6 +13,7 @@ from move.sim.methods import METHODS, single_methods
 from move.sim.motion.adc import Jumping
 from move.sim.motion.wrappers import PARTS, SPEEDS, Motions, Part, movable
 from move.sim.observe import IMAGE_SIZE, ObservationKind, ObservationSpec
+from move.sim.placement import Placement
 from move.sim.tasks import FACTORS, TASKS, Task, get_task
 
 ANY_HAND = "object+hand"  # the factors under which a prescribed grasp is begun anywhere in the hand's range
@@ -45,6 +46,10 @@ class Collection(BaseModel):
     image_size: int = Field(default=IMAGE_SIZE, ge=16, le=512, description="pixels along a side")
     factors: str = Field(default="all", description="what is random: a name in move.sim.tasks.FACTORS")
     protocol: Protocol = Field(default="random", description="where it grasps")
+    placement: Placement | None = Field(default=None, description="the places of the protocol placed")
+    demonstrations: int | None = Field(
+        default=None, gt=0, le=10**6, description="after how many it ends, though the budget is not full; None: then"
+    )
     expert: ExpertName = Field(default="phase", description="who demonstrates")
     motions: Motions = Field(default=Motions(), description="MOVE's motions before the choices below")
     jumping: Jumping = Field(default=Jumping(), description="when ADC's object and target jump")
@@ -119,6 +124,11 @@ class Collection(BaseModel):
         if self.hand_spread and (self.protocol == "random" or self.factors == ANY_HAND):
             raise ValueError(f"hand_spread {self.hand_spread} with protocol {self.protocol!r} and factors "
                              f"{self.factors!r}; allowed there is 0, for the hand's start is one of the factors")
+        if (self.placement is None) == (self.protocol == "placed"):
+            raise ValueError(f"placement {'none' if self.placement is None else 'given'} with protocol "
+                             f"{self.protocol!r}; allowed is one with 'placed', and with it alone")
+        if self.demonstrations and self.shares:
+            raise ValueError("demonstrations given for a mixture; allowed is its budget of timesteps")
         if self.drawing != "plain" and self.observation != "rgb":
             raise ValueError(f"drawing {self.drawing!r} with keypoints; allowed with rgb")
         self.scene_task  # noqa: B018, refuses places that are not known

@@ -34,7 +34,7 @@ def configurations(collection: Collection, seed: int, env: gymnasium.Env | None 
     for number, episode in enumerate(kept):
         rows += [{"episode": number, "timestep": timestep, "phase": phase, **where.columns()}
                  for timestep, (phase, where) in enumerate(episode.seen)]
-        if len(rows) >= collection.timesteps:
+        if len(rows) >= collection.timesteps or number + 1 == collection.demonstrations:
             break
     return pd.DataFrame(rows[: collection.timesteps]).assign(method=collection.method)
 

@@ -1,4 +1,4 @@
-"""Where demonstrations begin or grasp: random configurations, or the grasp points of the preliminary experiments."""
+"""Where demonstrations begin or grasp: random configurations, the preliminary experiments' grasp points, or places."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from move.sim.configuration import Box, Disc, Vector, vector
+from move.sim.placement import Placement, places
 from move.sim.tasks.task import Task
 
 CIRCLE = Disc((-0.05, 0.65), 0.15)  # figure 5; metres
@@ -36,10 +37,18 @@ def circle_points(task: Task) -> list[Vector]:
     return [(x + radius * math.cos(a), y + radius * math.sin(a), task.object_range.low[2]) for a in angles]
 
 
-def grasp_point(protocol: str, task: Task, index: int, seed: int) -> Vector | None:
-    """Where demonstration `index` has to grasp (metres), the same for every method; None if anywhere ("random")."""
+def grasp_point(
+    protocol: str, task: Task, index: int, seed: int, placement: Placement | None = None
+) -> Vector | None:
+    """Where demonstration `index` has to grasp (metres), the same for every method; None if anywhere ("random").
+
+    Args:
+        placement: the places of the protocol "placed".
+    """
     if protocol == "random":
         return None
+    if placement:
+        return places(placement, task.object_range, seed)[index % placement.places]
     if protocol == "dense":
         return task.object_range.sample(np.random.default_rng([index, seed]))
     points = sparse_points(task) if protocol == "sparse" else circle_points(task)
