@@ -15,6 +15,8 @@ import signal
 import sys
 import threading
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import cache
 
 THREAD_VARIABLES = ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS", "LP_NUM_THREADS")
@@ -40,10 +42,28 @@ def choose_gl() -> None:
     if sys.platform == "linux" and "MUJOCO_GL" not in os.environ:
         library = next((name for name in ("EGL", "OSMesa") if ctypes.util.find_library(name)), "disable")
         os.environ["MUJOCO_GL"] = library.lower()
-        if "mujoco.gl_context" in sys.modules:
-            importlib.reload(sys.modules["mujoco.gl_context"])
+        load_gl()
     if _chosen_gl() == "egl":
         os.environ.setdefault("PYOPENGL_PLATFORM", "egl")
+
+
+@contextmanager
+def without_gl() -> Iterator[None]:
+    """While modules are imported whose process will be forked: MuJoCo's import opens a display that no fork can use."""
+    chosen = os.environ.get("MUJOCO_GL")
+    os.environ["MUJOCO_GL"] = "disable"
+    try:
+        yield
+    finally:
+        os.environ.pop("MUJOCO_GL")
+        if chosen is not None:
+            os.environ["MUJOCO_GL"] = chosen
+
+
+def load_gl() -> None:
+    """Open, in a fork, what was left out there."""
+    if "mujoco.gl_context" in sys.modules:
+        importlib.reload(sys.modules["mujoco.gl_context"])
 
 
 def gl_problem() -> str | None:

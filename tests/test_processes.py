@@ -101,12 +101,12 @@ def test_no_process_outlives_the_one_that_started_it(tmp_path, seconds):
     """Killed so many seconds after the process of a run began: before, while and after that imports what is slow."""
     parent = psutil.Popen([sys.executable, "-c", PARENT], cwd=tmp_path,
                           env={**os.environ, "PYTHONPATH": str(paths.ROOT), "MOVE_ROOT": str(tmp_path)})
-    while len(workers := parent.children()) < 2:  # one of them is multiprocessing's own
+    while len(workers := parent.children(recursive=True)) < 2 + (sys.platform == "linux"):  # multiprocessing's too
         time.sleep(0.001)
     time.sleep(seconds)
     parent.kill()
     parent.wait()
-    gone, alive = psutil.wait_procs(workers, timeout=10)
+    gone, alive = psutil.wait_procs(workers, timeout=60)
     assert gone and not alive
 
 
@@ -119,14 +119,13 @@ def test_notebook_kernel_and_workers_end_with_the_command_that_draws_a_figure(tm
 
     def computes() -> bool:
         with suppress(psutil.Error):  # one of them may end while it is asked
-            return any("--multiprocessing-fork" in child.cmdline() for child in command.children(recursive=True))
+            return len(command.children(recursive=True)) >= 2 + 2 + 2  # kernel, multiprocessing's own, runs
         return False
 
     while not computes():
         time.sleep(0.05)
         assert command.poll() is None
     started = command.children(recursive=True)
-    assert len(started) >= 2, "a kernel and its workers"
     command.kill()
     command.wait()
     assert psutil.wait_procs(started, timeout=10)[1] == []

@@ -1,30 +1,33 @@
 """Each run in a process of its own, which ends with it and with this one.
 
 MuJoCo's model and the GL context are one a process, and neither gives its memory back; a run that dies costs itself
-alone. A process is spawned, not forked, for GL and CUDA do not live on in a fork.
+alone. GL and CUDA do not live on in a fork: on Linux a process is forked from one that has imported what runs need,
+but opened neither (`preloaded`), and elsewhere it is spawned.
 """
 
 from __future__ import annotations
 
 import os
 import signal
+import sys
 import threading
 from collections.abc import Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
 from itertools import count
-from multiprocessing import current_process, get_context
+from multiprocessing import current_process, get_context, parent_process
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 from pathlib import Path
 from typing import Any
 
 from move.errors import BadInput
-from move.machine import end_with, one_thread_in_children
+from move.machine import load_gl, one_thread_in_children
 from move.study.provenance import deciding, difference
 from move.study.spec import RunSpec
 
-SPAWN = get_context("spawn")
+METHOD = get_context("forkserver" if sys.platform == "linux" else "spawn")
+METHOD.set_forkserver_preload(["move.study.preloaded"])
 
 
 class RunFailed(RuntimeError):
@@ -44,7 +47,7 @@ class Processes:
         Raises:
             RunFailed: the run failed, its process died, or `end` was called.
         """
-        answer, asked = SPAWN.Pipe(duplex=False)
+        answer, asked = METHOD.Pipe(duplex=False)
         process = self._start(spec, folder, asked)
         asked.close()
         try:
@@ -65,8 +68,7 @@ class Processes:
             if self._ended:
                 raise RunFailed("interrupted")
             number = next(free for free in count() if free not in self._running.values())
-            process = SPAWN.Process(target=_compute, args=(os.getpid(), number, asked, spec, folder, deciding()),
-                                    daemon=True)
+            process = METHOD.Process(target=_compute, args=(number, asked, spec, folder, deciding()), daemon=True)
             with _children_allowed():
                 process.start()
             self._running[process] = number
@@ -96,13 +98,27 @@ def _cause(code: int) -> str:
     return signal.Signals(-code).name if code < 0 else f"exit code {code}"
 
 
-def _compute(parent: int, number: int, answer: Connection, spec: RunSpec, folder: Path, there: dict[str, str]) -> None:
+def _end_with_parent() -> None:
+    """End this process as soon as the one that asked for it is gone; Ctrl-C is that one's to handle."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    parent = parent_process()
+    assert parent is not None
+
+    def watch() -> None:
+        parent.join()
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
+
+
+def _compute(number: int, answer: Connection, spec: RunSpec, folder: Path, there: dict[str, str]) -> None:
     """In the process of a run: compute it, and answer with one line on what went wrong, or nothing.
 
     Args:
         there: what decides results where the run is asked for.
     """
-    end_with(parent)
+    _end_with_parent()
+    load_gl()
     os.dup2(2, 1)  # what libraries print is not the command's answer
     try:
         if differing := difference(there):
