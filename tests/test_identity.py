@@ -23,7 +23,7 @@ from move.learn.dataset import load, save
 from move.learn.train import train
 from move.sim.demonstrations import Demonstrations, fingerprint
 from move.study import cluster, execute, policies, provenance, results, run
-from move.study.kinds import collector_run, control_run
+from move.study.kinds import collector_run, control_run, policy_run
 from move.study.profiles import Profile, load_profile
 
 LAPTOP = load_profile("laptop")
@@ -231,6 +231,24 @@ def test_a_caption_counts_the_runs_of_other_versions(tmp_path):
         result.provenance["versions"] |= changes
     assert ("Other versions than here computed 2 runs with mujoco 3.5.0 and 1 run with numpy 1.0."
             in captions.numbers(made, 0, ""))
+
+
+def test_a_caption_names_processors_where_cells_were_made_on_different_ones(world_of_two_cells):
+    assert captions.processors(world_of_two_cells) == []
+    world_of_two_cells[0].provenance["processor"] = "Intel(R) Xeon(R) Processor"
+    assert captions.processors(world_of_two_cells) == ["AMD EPYC, 3 runs", "Intel Xeon, 1 run"]
+    said = captions.numbers(world_of_two_cells, 0, "")
+    assert "different processors: AMD EPYC, 3 runs and Intel Xeon, 1 run." in said
+    world_of_two_cells[2].provenance["processor"] = "Intel(R) Xeon(R) Processor"
+    assert captions.processors(world_of_two_cells) == [], "one of each in both cells"
+
+
+@pytest.fixture
+def world_of_two_cells():
+    specs = [policy_run(load_profile("smoke"), task="push", method=method, seed=seed, timesteps=100)
+             for method in ("static", "move") for seed in range(2)]
+    return [results.Result(spec, [{"success": True}], None, None, {"train": 1.0}, {"processor": "AMD EPYC"})
+            for spec in specs]
 
 
 def result_version(made, name: str) -> str:

@@ -152,9 +152,30 @@ def numbers(results: list[Result], missing: int, purpose: str) -> str:
     sentences.append(f"{len(results)} runs{untrained}, {sum(seconds.values()) / 60:.0f} minutes in all, one core each")
     if others := other_versions(result.provenance for result in results):
         sentences.append(f"Other versions than here computed {listed(others)}")
+    if made_on := processors(results):
+        sentences.append(f"Compared cells were made on different processors: {listed(made_on)}")
     sentences += [f"{_span([missing], 'more run')} missing"] if missing else []
     sentences += [purpose] if trained else []
     return " ".join(f"{sentence}." for sentence in sentences)
+
+
+def processors(results: list[Result]) -> list[str]:
+    """The processors of trained runs with how many each made, where cells differ in theirs; else nothing.
+
+    A cell is what differs in its seed alone. Rounding, and so a policy, is another one on another processor.
+    """
+    cells: dict[str, set[str]] = {}
+    for result in (trained := [result for result in results if result.spec.training]):
+        cells.setdefault(result.spec.model_copy(update={"seed": 0}).hash, set()).add(_processor(result))
+    if len(set(map(frozenset, cells.values()))) < 2:
+        return []
+    counts = Counter(map(_processor, trained)).most_common()
+    return [f"{name}, {_span([count], 'run')}" for name, count in counts]
+
+
+def _processor(result: Result) -> str:
+    """Its processor's name without what is the same in all names."""
+    return " ".join(result.provenance.get("processor", "unknown").replace("(R)", "").replace("Processor", "").split())
 
 
 def sample_size(results: list[Result], missing: int) -> str:
