@@ -129,17 +129,17 @@ def test_notebooks_are_forks_of_this_process_and_each_ends_as_it_does(tmp_path, 
         if name == "rollouts":
             time.sleep(1)
             return tmp_path / name
-        if name == "fig_mixture":
+        if name == "fig7_speed":
             os._exit(9)
         raise {"gap": BadInput, "fig1_sparse": kernels.NotebookFailed}[name](f"{name}: no")
 
     monkeypatch.setattr(kernels, "run_notebook", run)
     seen = []
-    asked = ["gap", "rollouts", "fig1_sparse", "fig_mixture"]
+    asked = ["gap", "rollouts", "fig1_sparse", "fig7_speed"]
     ended = kernels.run_notebooks(asked, SMOKE, {}, on_progress=lambda *so_far: seen.append(so_far))
     done = {one.name: one for one in ended}
     assert done["rollouts"].executed == tmp_path / "rollouts" and done["rollouts"].problem is None
     assert isinstance(done["gap"].problem, BadInput) and str(done["gap"].problem) == "gap: no"
     assert isinstance(done["fig1_sparse"].problem, kernels.NotebookFailed)
-    assert "killed" in str(done["fig_mixture"].problem) and list(done) == asked
+    assert "killed" in str(done["fig7_speed"].problem) and list(done) == asked
     assert (["rollouts"], pytest.approx(1 + 0.475 / len(missing)), 0, len(missing)) in seen

@@ -10,7 +10,6 @@ from move.figures import (
     fig4_scaling,
     fig6_dimensions,
     fig7_speed,
-    fig_mixture,
     fig_speed_law,
     table1_spatial_factors,
     table2_main,
@@ -111,12 +110,6 @@ def test_laws_are_held_against_the_papers():
     table = fig_speed_law.law_table(rows)
     assert list(zip(table.law, table.baseline, table.difference.round(3), strict=True)) == [
         ("uniform", "beta", -0.1), ("constant", "beta", 0.1)]
-
-
-def test_a_mixture_goes_from_static_to_move():
-    runs = fig_mixture.runs(LAPTOP, seeds=1)
-    assert [run.spec.method for run in runs] == ["static", "mixture", "mixture", "mixture", "move"]
-    assert dict(runs[1].spec.collection.shares) == {"static": 0.75, "move": 0.25}
 
 
 def episodes(**rates) -> pd.DataFrame:

@@ -73,7 +73,7 @@ def listed() -> list[Path]:
     def place(name: str) -> int:
         return next((number for number, begin in enumerate(ORDER) if name.startswith(begin)), len(ORDER))
 
-    figures = sorted(kernels.of_profile(PROFILE), key=lambda name: (place(name), name))
+    figures = sorted(kernels.of_profile(PROFILE, stored_only=True), key=lambda name: (place(name), name))
     return [*sorted(TUTORIAL.glob("*.ipynb")), *(paths.NOTEBOOKS / f"{name}.ipynb" for name in figures)]
 
 

@@ -168,7 +168,7 @@ def figure(
     from move.figures.page.kept import files_of
     from move.figures.page.parameters import runs
 
-    names = names or kernels.of_profile(chosen)
+    names = names or kernels.of_profile(chosen, stored_only)
     for name in names:  # all of them are checked before the first one runs
         runs(name, chosen, changes)
     rows: list[dict[str, Any]] = []

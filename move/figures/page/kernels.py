@@ -60,9 +60,14 @@ class _Worker:
     began: float = field(default_factory=time.time)
 
 
-def of_profile(profile: Profile) -> list[str]:
-    """The figures that have something to show in `profile`: not those that ask it for no run."""
-    return [name for name in names() if "runs" not in parts(name) or runs(name, profile)]
+def of_profile(profile: Profile, stored_only: bool = False) -> list[str]:
+    """The figures that have something to show in `profile`: not those that ask it for no run.
+
+    With `stored_only` nor those none of whose runs is stored yet.
+    """
+    listed = [name for name in names() if "runs" not in parts(name) or runs(name, profile)]
+    return [name for name in listed if not stored_only or "runs" not in parts(name) or any(
+        (profile.results / f"{spec.hash}.json").exists() for spec in specs(name, profile))]
 
 
 def run_notebooks(
