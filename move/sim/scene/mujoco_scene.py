@@ -183,7 +183,7 @@ class MujocoScene(gymnasium.Wrapper):
 
     def _goal(self) -> np.ndarray:
         """Where the environment itself has the target."""
-        goal = getattr(self.unwrapped, str(self.task.goal), None)
+        goal: Any = getattr(self.unwrapped, str(self.task.goal), None)
         if np.shape(goal) != (3,):
             raise BadInput(f"goal: {self.task.goal!r} given; allowed is an attribute of {type(self.unwrapped).__name__} "
                            "that holds 3 numbers")
@@ -204,7 +204,7 @@ class MujocoScene(gymnasium.Wrapper):
 
     # what a motion asks (see `Movable`) -------------------------------------------------------------------------------
 
-    @property
+    @property  # type: ignore[misc]  # a motion sets none
     def np_random(self) -> np.random.Generator:
         """The motions' own generator: what they draw does not change what the environment draws."""
         return self._rng
