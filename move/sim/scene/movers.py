@@ -128,14 +128,17 @@ class SlidingBody:
 
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, joints: list[int], axes: np.ndarray,
                  where: np.ndarray) -> None:
-        self.where, self.start, self.inverse = where, where.copy(), np.linalg.pinv(axes)
-        self.data, self.at, self.speeds = data, model.jnt_qposadr[joints], model.jnt_dofadr[joints]
-        self.zero = data.qpos[self.at].copy()
+        self.where, self.start, self.positions, self.speeds = where, where.copy(), data.qpos, data.qvel
+        self.origin, self.slides = where.tolist(), [
+            (int(model.jnt_qposadr[joint]), int(model.jnt_dofadr[joint]), float(data.qpos[model.jnt_qposadr[joint]]), *row)
+            for joint, row in zip(joints, np.linalg.pinv(axes).tolist(), strict=True)]
 
     def put(self, position: Vector | np.ndarray, yaw: float) -> None:
         """Put it there."""
-        self.data.qpos[self.at] = self.zero + self.inverse @ np.nan_to_num(np.subtract(position, self.start))
-        self.data.qvel[self.speeds] = 0.0
+        dx, dy, dz = (there - begun for there, begun in zip(position, self.origin, strict=True))
+        for at, speed, zero, along_x, along_y, along_z in self.slides:
+            self.positions[at] = zero + along_x * dx + along_y * dy + along_z * dz
+            self.speeds[speed] = 0.0
 
     def put_back(self) -> None:
         """Nothing of it is in the model."""

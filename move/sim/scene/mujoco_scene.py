@@ -140,7 +140,7 @@ class MujocoScene(gymnasium.Wrapper):
         self.model, self.data, self._settle = simulation(self.env)
         task, names = self.task, (self.model, self.data)
         mujoco.mj_kinematics(*names)
-        self._points: dict[str, np.ndarray] = {}
+        self._points: dict[str, np.ndarray] = {}  # live views
         self._object: Mover = mover(*names, "object", task.object, task.object_range, task.has_yaw)
         self._target = mover(*names, "target", task.target, task.target_range, False) if task.target else None
         self._camera = Camera(*names, task.camera, task.camera_around) if task.camera else None
