@@ -227,7 +227,6 @@ def test_lifting_ends_the_pick_phase_and_so_does_a_touch(phase, height):
     ({"object": "hand"}, "whose joints do not move it along x"),
     ({"object": "puck", "yaw_range": (-1.0, 1.0)}, "yaw_range: given with 'puck', which slides"),
     ({"camera": "back"}, "camera: 'back' given; allowed are front, side, wrist"),
-    ({"camera": "wrist"}, "camera: 'wrist' given, which 'finger' carries"),
     ({"target": "goal", "target_within": RANGE}, "target: 'goal' given; allowed are"),
     ({"target": "mark"}, "target, target_within: one of them given"),
     ({"goal": "goal"}, "goal: 'goal' given without a target"),

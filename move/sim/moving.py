@@ -44,7 +44,7 @@ def moving(
         target_within: where the target moves; with three numbers a corner it moves in height too.
         goal: the attribute of `env.unwrapped` that holds the target's place (3 numbers) and moves with it, such as
             "goal" of Gymnasium-Robotics or "_target_pos" of Meta-World: rewards and observations are made from it.
-        camera: a camera that stands in the world; by default none moves.
+        camera: a camera by its name, meant for one that stands still without this; by default none moves.
         camera_range: how far it goes about the vertical axis from where `env` has it, radians.
         camera_around: x and y of that axis, metres; by default the middle of `within`.
         yaw_range: how far the object turns from where an episode starts, radians; by default it does not.

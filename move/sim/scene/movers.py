@@ -176,14 +176,16 @@ class Placed:
 
 
 class Camera:
-    """A camera of the world, carried about a vertical axis; what it sees turns with it.
+    """A camera that goes about a vertical axis and on looking at what it looked at.
+
+    One that a body carries is carried along as before; what it goes is meant for where the body was at the start.
 
     Args:
         name: the camera's.
         around: x and y of the axis, metres.
 
     Raises:
-        BadInput: no camera of that name, or one that something carries.
+        BadInput: no camera of that name.
     """
 
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, name: str, around: tuple[float, float]) -> None:
@@ -191,11 +193,8 @@ class Camera:
         if not names:
             raise BadInput(f"camera: {name!r} given; this model has none, so allowed is None")
         one_of("camera", name, names)
-        view, body = model.camera(name), int(model.camera(name).bodyid[0])
-        if not stands(model, body):
-            raise BadInput(f"camera: {name!r} given, which {model.body(body).name!r} carries; allowed are cameras that "
-                           "stand in the world")
-        frame = frame_of(data, body)
+        view = model.camera(name)
+        frame = frame_of(data, int(view.bodyid[0]))
         self.placed = Placed(view.pos, view.quat, frame[0] + frame[1] @ view.pos, frame)
         self.axis = np.array([*around, 0.0])
 
