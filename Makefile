@@ -4,6 +4,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 READY := .venv/ready
 LEROBOT := build/lerobot-venv
+ENVIRONMENTS := build/environments-venv
 CLUSTER_OPTION := $(if $(CLUSTER),--cluster $(CLUSTER))
 NOTEBOOKS := $(basename $(notdir $(wildcard notebooks/*.ipynb)))
 NUMBERED := $(filter $(foreach n,1 2 3 4 5 6 7 8 9,fig$(n)_% table$(n)_%),$(NOTEBOOKS))
@@ -13,11 +14,11 @@ SHORT := $(foreach name,$(NUMBERED),$(firstword $(subst _, ,$(name))))
 STORED_ONLY := $(if $(shell grep -l '^shipped: true' profiles/$(PROFILE).yaml 2>/dev/null),--stored-only)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup figures runs test test-slow test-lerobot test-browser plan verify lab site bench doctor lock clean $(NOTEBOOKS) $(SHORT)
+.PHONY: help setup figures runs test test-slow test-lerobot test-environments test-browser plan verify lab site bench doctor lock clean $(NOTEBOOKS) $(SHORT)
 
 help:  ## print this list
 	@echo "usage: make TARGET [PROFILE=smoke|laptop|...] [CLUSTER=tcp://host:8786] [TORCH_INDEX=url]"
-	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  %-12s %s\n", $$1, $$2}'
+	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  %-17s %s\n", $$1, $$2}'
 	@echo "one figure or table by its name:"
 	@echo $(SHORT) $(NOTEBOOKS) | fold -sw 96 | sed 's/^/  /'
 
@@ -63,6 +64,15 @@ $(LEROBOT)/ready:
 
 test-lerobot: $(READY) $(LEROBOT)/ready  ## LeRobot itself reads exports and trains on them (downloads 8 GB)
 	$(BIN)/python tools/test_lerobot.py $(LEROBOT)/bin/python
+
+$(ENVIRONMENTS)/ready: $(READY) tests/environments/requirements.txt
+	$(BIN)/python -m venv --clear $(ENVIRONMENTS)
+	$(BIN)/python -c 'import site; print(site.getsitepackages()[0])' > $(ENVIRONMENTS)/lib/python3.11/site-packages/locked.pth
+	$(ENVIRONMENTS)/bin/pip install --quiet --no-deps --only-binary :all: --require-hashes -r tests/environments/requirements.txt
+	@touch $@
+
+test-environments: $(ENVIRONMENTS)/ready  ## put environments of seven packages in motion (downloads 0.3 GB)
+	PYTHONPATH=. $(ENVIRONMENTS)/bin/python -m pytest -q tests/environments
 
 test-browser: $(READY)  ## run the tests that need Chromium: the site, and a notebook in JupyterLab
 	@command -v chromium >/dev/null || apt-get install -y chromium

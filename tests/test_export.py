@@ -194,3 +194,24 @@ def test_nothing_half_written_and_nothing_overwritten(tmp_path, monkeypatch):
     with pytest.raises(BadInput, match="cannot write .*out: No space left on device"):
         exporting.export(tmp_path / "a.zarr", tmp_path / "out", "lerobot")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.zarr", "there"]
+
+
+def test_demonstrations_of_ones_own_say_what_was_recorded(tmp_path):
+    mine = Demonstrations(np.zeros((4, 3), np.float32), np.zeros((4, 7), np.float32), np.array([2, 4]))
+    dataset.save(mine, tmp_path / "a.zarr", {"task": "push the puck", "robot_type": "pusher", "fps": 20})
+    exporting.export(tmp_path / "a.zarr", tmp_path / "out", "lerobot")
+    info = json.loads((tmp_path / "out/meta/info.json").read_text())
+    assert (info["robot_type"], info["fps"], info["features"]["action"]["shape"]) == ("pusher", 20, [7])
+    table = pq.read_table(tmp_path / "out/data/chunk-000/file-000.parquet")
+    assert table["timestamp"].to_pylist() == pytest.approx([0, 1 / 20, 0, 1 / 20])
+    assert pd.read_parquet(tmp_path / "out/meta/tasks.parquet").index.tolist() == ["push the puck"]
+
+
+@pytest.mark.parametrize("attributes, message", [({"fps": 0}, "attributes: fps: 0 given"),
+                                                 ({"robot_type": 3}, "attributes: robot_type: 3 given")])
+def test_a_robot_or_a_rate_that_is_none_is_refused_and_nothing_written(tmp_path, attributes, message):
+    mine = Demonstrations(np.zeros((4, 3), np.float32), np.zeros((4, 7), np.float32), np.array([2, 4]))
+    dataset.save(mine, tmp_path / "a.zarr", attributes)
+    with pytest.raises(BadInput, match=message):
+        exporting.export(tmp_path / "a.zarr", tmp_path / "out", "lerobot")
+    assert not (tmp_path / "out").exists()

@@ -1,5 +1,7 @@
 """Write environment.lock and environment-cuda.lock from pyproject.toml (run by `make lock`; needs `uv` and `pip`).
 
+And, with the same versions, tests/environments/requirements.txt: what its requirements.in needs besides the lock.
+
 environment.lock pins every package with hashes and is installed with `pip install --no-deps --require-hashes`.
 It accepts both builds of torch: the one on the ordinary index (CUDA on Linux) and the CPU build that pip finds
 here. The CUDA libraries, several gigabytes, stand alone in environment-cuda.lock, which `make` installs only
@@ -16,13 +18,16 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 CUDA = re.compile(r"^(nvidia-|cuda-|triton==)")
 HEADER = "# Written by `make lock` from pyproject.toml; do not edit.\n"
+ENVIRONMENTS = "tests/environments/requirements"
+UNUSED = re.compile(r"^(daqp|evdev|imageio-ffmpeg|mink|pynput|pyobjc\S*|python-xlib|qpsolvers)==")
+"""What robosuite names for keyboards and whole-body control, and gym-aloha for films, which no test needs."""
 
 
-def resolve() -> list[str]:
-    """Resolve pyproject.toml on the ordinary index: one text block a package, pin and hashes."""
+def resolve(source: str = "pyproject.toml", *options: str) -> list[str]:
+    """Resolve a file of requirements on the ordinary index: one text block a package, pin and hashes."""
     with tempfile.NamedTemporaryFile(suffix=".txt") as out:
-        command = ["uv", "pip", "compile", "pyproject.toml", "--universal", "--python-version", "3.11", "--no-header",
-                   "--generate-hashes", "--no-annotate", "--upgrade", "--quiet", "--output-file", out.name]
+        command = ["uv", "pip", "compile", source, "--universal", "--python-version", "3.11", "--no-header",
+                   "--generate-hashes", "--no-annotate", "--upgrade", "--quiet", "--output-file", out.name, *options]
         subprocess.run(command, cwd=ROOT, check=True)
         return re.split(r"\n(?=\S)", Path(out.name).read_text().strip())
 
@@ -47,6 +52,16 @@ def main() -> None:
     for name, wanted in (("environment.lock", False), ("environment-cuda.lock", True)):
         kept = [block for block in blocks if bool(CUDA.match(block)) is wanted]
         (ROOT / name).write_text(HEADER + "\n".join(kept) + "\n")
+    write_environments()
+
+
+def write_environments() -> None:
+    """Write what the environments of other packages need besides environment.lock."""
+    locked = {line.split("==")[0] for line in (ROOT / "environment.lock").read_text().splitlines() if "==" in line}
+    more = [block for block in resolve(f"{ENVIRONMENTS}.in", "--constraint", "environment.lock")
+            if block.split("==")[0] not in locked and not UNUSED.match(block)]
+    header = HEADER.replace("pyproject.toml", "requirements.in")
+    (ROOT / f"{ENVIRONMENTS}.txt").write_text(header + "\n".join(more) + "\n")
 
 
 if __name__ == "__main__":

@@ -14,6 +14,8 @@ What a LeRobot policy is given:
 
 LeRobot's diffusion policy wants a state, and with it an image or an environment state. A policy from images sees
 images alone, as here, so its state says nothing.
+
+Demonstrations of one's own say with the attributes "task", "robot_type" and "fps" (see `Origin`) what was recorded.
 """
 
 from __future__ import annotations
@@ -26,7 +28,7 @@ import numpy as np
 import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
-from pydantic import ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from move.errors import BadInput
 from move.exchange.feature_stats import Stats, feature_stats, pooled_stats
@@ -38,10 +40,10 @@ from move.sim.demonstrations import Demonstrations
 from move.sim.observe import keypoint_names
 from move.sim.scene.scene import Scene
 from move.sim.tasks import TASKS
+from move.validation import first_problem
 from move.video import write_video
 
 FORMATS = ("lerobot", "zarr")
-FPS = int(Scene.metadata["render_fps"])  # timesteps a second
 STATE, ENVIRONMENT, CAMERA = "observation.state", "observation.environment_state", "observation.images.camera"
 EPISODES = "meta/episodes/chunk-000/file-000.parquet"
 DATA = "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
@@ -52,6 +54,28 @@ FIRST = {"chunk_index": 0, "file_index": 0}  # one file holds all episodes
 # before it.
 PIXEL_FORMAT = "yuv444p"
 VIDEO_OPTIONS = {"crf": "8", "g": "2", "bf": "0", "preset": "medium"}
+
+
+class Origin(BaseModel):
+    """What was recorded, as the attributes of a data set say; by default a scene of this package."""
+
+    model_config = ConfigDict(frozen=True, strict=True)
+
+    task: str = Field("unknown", max_length=200)
+    robot_type: str = Field("metaworld_sawyer", max_length=200)
+    fps: int = Field(int(Scene.metadata["render_fps"]), ge=1, le=1000, description="timesteps a second")
+
+    @classmethod
+    def of(cls, attributes: dict[str, Any]) -> Origin:
+        """What `attributes` say.
+
+        Raises:
+            BadInput: a task, a robot or a rate that is none.
+        """
+        try:
+            return cls.model_validate({"task": dataset.task_of(attributes) or "unknown", **attributes})
+        except ValidationError as error:
+            raise BadInput(f"attributes: {first_problem(error)}") from error
 
 
 def export(data: Path, out: Path, form: str, clip_actions: bool = False, whole_episodes: bool = False
@@ -120,32 +144,32 @@ def write_lerobot(demonstrations: Demonstrations, folder: Path, attributes: dict
     Args:
         attributes: what was stored with the demonstrations; goes to meta/move.json as it is.
     """
-    task = attributes.get("collection", {}).get("task", "unknown")
-    numbers = _numbers(demonstrations)
+    origin = Origin.of(attributes)
+    numbers = _numbers(demonstrations, origin.fps)
     episodes = _episode_stats(demonstrations, numbers)
     for name in (EPISODES, DATA.format(**FIRST)):
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
     columns = {name: vectors(values) if values.ndim == 2 else pa.array(values) for name, values in numbers.items()}
     pq.write_table(pa.table(columns), folder / DATA.format(**FIRST))
-    pq.write_table(pa.Table.from_pylist(_episode_rows(demonstrations, episodes, task)), folder / EPISODES)
-    pd.DataFrame({"task_index": [0]}, index=pd.Index([task], name="task")).to_parquet(folder / "meta/tasks.parquet")
-    for name, content in (("info", _info(demonstrations, task)), ("stats", pooled_stats(episodes)),
+    pq.write_table(pa.Table.from_pylist(_episode_rows(demonstrations, episodes, origin)), folder / EPISODES)
+    pd.DataFrame({"task_index": [0]}, index=pd.Index([origin.task], name="task")).to_parquet(folder / "meta/tasks.parquet")
+    for name, content in (("info", _info(demonstrations, origin)), ("stats", pooled_stats(episodes)),
                           ("move", attributes)):
         (folder / f"meta/{name}.json").write_text(json.dumps(content, indent=1) + "\n")
     if demonstrations.has_images:
         images = demonstrations.observations
-        write_video(folder / VIDEO.format(video_key=CAMERA, **FIRST), images, images.shape[1:3], FPS, PIXEL_FORMAT,
+        write_video(folder / VIDEO.format(video_key=CAMERA, **FIRST), images, images.shape[1:3], origin.fps, PIXEL_FORMAT,
                     VIDEO_OPTIONS)
 
 
-def _numbers(demonstrations: Demonstrations) -> dict[str, np.ndarray]:
+def _numbers(demonstrations: Demonstrations, fps: int) -> dict[str, np.ndarray]:
     """Every column of the data file: vectors (timesteps, n) and scalars (timesteps,)."""
     seen = demonstrations.observations
     if demonstrations.has_images:
         observed = {STATE: np.zeros((len(seen), 2), np.float32)}
     else:
         observed = {STATE: seen, ENVIRONMENT: seen}
-    return {**observed, "action": demonstrations.actions, **scalar_columns(demonstrations.lengths, FPS)}
+    return {**observed, "action": demonstrations.actions, **scalar_columns(demonstrations.lengths, fps)}
 
 
 def _state_names(width: int, task: str) -> list[str]:
@@ -155,7 +179,7 @@ def _state_names(width: int, task: str) -> list[str]:
     return names if len(names) == width else [f"number {n}" for n in range(width)]
 
 
-def _info(demonstrations: Demonstrations, task: str) -> dict[str, Any]:
+def _info(demonstrations: Demonstrations, origin: Origin) -> dict[str, Any]:
     """What meta/info.json holds."""
     width = demonstrations.actions.shape[1]
     action_names = ["x", "y", "z", "gripper"] if width == 4 else [f"number {n}" for n in range(width)]
@@ -165,16 +189,16 @@ def _info(demonstrations: Demonstrations, task: str) -> dict[str, Any]:
         features[STATE] = {"dtype": "float32", "shape": [2], "names": ["nothing 0", "nothing 1"]}
         features[CAMERA] = {
             "dtype": "video", "shape": [height, across, 3], "names": ["height", "width", "channels"],
-            "info": {"video.height": height, "video.width": across, "video.channels": 3, "video.fps": FPS,
+            "info": {"video.height": height, "video.width": across, "video.channels": 3, "video.fps": origin.fps,
                      "video.codec": "h264", "video.pix_fmt": PIXEL_FORMAT, "video.is_depth_map": False,
                      "has_audio": False},
         }
     else:
         size = demonstrations.observations.shape[1]
         for name in (STATE, ENVIRONMENT):
-            features[name] = {"dtype": "float32", "shape": [size], "names": _state_names(size, task)}
+            features[name] = {"dtype": "float32", "shape": [size], "names": _state_names(size, origin.task)}
     return {
-        "codebase_version": "v3.0", "robot_type": "metaworld_sawyer", "fps": FPS,
+        "codebase_version": "v3.0", "robot_type": origin.robot_type, "fps": origin.fps,
         "total_episodes": demonstrations.episodes, "total_frames": demonstrations.timesteps, "total_tasks": 1,
         "chunks_size": 1000, "data_files_size_in_mb": 100, "video_files_size_in_mb": 200,
         "splits": {"train": f"0:{demonstrations.episodes}"}, "data_path": DATA,
@@ -182,17 +206,18 @@ def _info(demonstrations: Demonstrations, task: str) -> dict[str, Any]:
     }
 
 
-def _episode_rows(demonstrations: Demonstrations, stats: list[dict[str, Stats]], task: str) -> list[dict[str, Any]]:
+def _episode_rows(demonstrations: Demonstrations, stats: list[dict[str, Stats]], origin: Origin
+                  ) -> list[dict[str, Any]]:
     """One row an episode of the episode table: its frames, its seconds of video, its statistics."""
     rows = []
     for index, (end, length) in enumerate(zip(demonstrations.episode_ends, demonstrations.lengths, strict=True)):
-        row = {"episode_index": index, "tasks": [task], "length": int(length), "data/chunk_index": 0,
+        row = {"episode_index": index, "tasks": [origin.task], "length": int(length), "data/chunk_index": 0,
                "data/file_index": 0, "dataset_from_index": int(end - length), "dataset_to_index": int(end),
                "meta/episodes/chunk_index": 0, "meta/episodes/file_index": 0}
         if demonstrations.has_images:
             row |= {f"videos/{CAMERA}/chunk_index": 0, f"videos/{CAMERA}/file_index": 0,
-                    f"videos/{CAMERA}/from_timestamp": (end - length) / FPS,
-                    f"videos/{CAMERA}/to_timestamp": end / FPS}
+                    f"videos/{CAMERA}/from_timestamp": (end - length) / origin.fps,
+                    f"videos/{CAMERA}/to_timestamp": end / origin.fps}
         rows.append(row | {f"stats/{feature}/{name}": value for feature, values in stats[index].items()
                            for name, value in values.items()})
     return rows

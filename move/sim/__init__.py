@@ -13,4 +13,5 @@ collection.py      what to collect, as data: method, motions, shares of a mixtur
 collect.py         demonstrations under an exact budget of timesteps
 demonstrations.py  what collection produces and training consumes
 moving_scene.py    what Gymnasium makes of MOVE/<task>-v0
+moving.py          the motions around any MuJoCo environment
 """

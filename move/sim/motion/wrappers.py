@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Literal, SupportsFloat, cast, get_args
+from typing import TYPE_CHECKING, Any, Literal, SupportsFloat, TypeVar, cast, get_args
 
 import gymnasium
 import numpy as np
@@ -23,11 +23,13 @@ from pydantic import BaseModel, ConfigDict, Field
 from move.choices import SpeedLaw
 from move.sim.configuration import Box, Disc, SpatialConfiguration, vector
 from move.sim.motion import equations
-from move.sim.tasks.task import FACTORS, Task
+from move.sim.motion.movable import Movable, Ranges
+from move.sim.tasks.task import FACTORS
 
 if TYPE_CHECKING:
     from move.sim.scene.scene import Scene
 
+MovableScene = TypeVar("MovableScene", bound=Movable)
 Part = Literal["object", "rotation", "target", "camera"]
 PARTS: tuple[Part, ...] = get_args(Part)
 SPEEDS: dict[Part, str] = {"object": "object_speed", "rotation": "yaw_speed", "target": "target_speed",
@@ -47,6 +49,11 @@ class Motions(BaseModel):
     speed_law: SpeedLaw = Field(default="beta", description="how the speed of an episode is drawn: see sample_speed")
 
 
+def scene_of(env: gymnasium.Env) -> Movable:
+    """What moves in `env`: the first `scene` among its wrappers, or else the environment inside them all."""
+    return env.get_wrapper_attr("scene") if env.has_wrapper_attr("scene") else cast(Movable, env.unwrapped)
+
+
 class Motion(gymnasium.Wrapper):
     """One part of the scene that moves by a law of time while `moving` holds.
 
@@ -59,7 +66,7 @@ class Motion(gymnasium.Wrapper):
 
     def __init__(self, env: gymnasium.Env, maximum_speed: float, law: SpeedLaw = "beta") -> None:
         super().__init__(env)
-        self.inner, self.scene = cast("Scene | Motion", env), cast("Scene", env.unwrapped)
+        self.inner, self.scene = cast("Movable | Motion", env), scene_of(env)
         self.maximum_speed, self.law = maximum_speed, law
 
     def reset(self, **keywords: Any) -> tuple[np.ndarray, dict]:
@@ -138,7 +145,8 @@ class ObjectTranslation(PickMotion):
         env: a scene, wrapped or not.
         maximum_speed: v_max, metres per step.
         region: where it moves; the task's object range by default.
-        arrive: the configured position is where the motion ends, after all its steps, and not where it starts.
+        arrive: the configured position is where the motion ends, after all its steps, and not where it starts; of a
+            `Scene`.
         law: how its speed is drawn.
     """
 
@@ -154,7 +162,7 @@ class ObjectTranslation(PickMotion):
             return observation, info
         self.clock = -self.scene.task.object_steps
         self.apply(self.placed(self.clock))
-        return self.scene.refresh(), info
+        return cast("Scene", self.scene).refresh(), info
 
     def sample(self, rng: np.random.Generator) -> None:
         """Sample v ~ Beta(2, 5) and a direction uniform on the circle."""
@@ -228,7 +236,7 @@ class CameraMotion(Motion):
         self.scene.move_camera(configuration.camera_angle)
 
 
-def movable(task: Task, factors: str) -> tuple[Part, ...]:
+def movable(task: Ranges, factors: str) -> tuple[Part, ...]:
     """What can move: the object, its rotation where the task has a yaw, and what `factors` randomises of the rest.
 
     >>> from move.sim.tasks import get_task
@@ -241,12 +249,11 @@ def movable(task: Task, factors: str) -> tuple[Part, ...]:
     return tuple(part for part in able if able[part])
 
 
-def with_motions(scene: Scene, motions: Motions, factors: str, region: Box | Disc | None = None,
-                 arrive: bool = False) -> Scene | Motion:
+def with_motions(scene: MovableScene, motions: Motions, factors: str, region: Box | Disc | None = None,
+                 arrive: bool = False) -> MovableScene | Motion:
     """MOVE's staged strategy around `scene`: only what `factors` randomises moves, and only with a speed above 0."""
     able = movable(scene.task, factors)
-    env: Scene | Motion = scene
-    law = motions.speed_law
+    env, law = cast(gymnasium.Env, scene), motions.speed_law
     if motions.object_speed:
         env = ObjectTranslation(env, motions.object_speed, region, arrive, law)
     if motions.yaw_speed and "rotation" in able:
@@ -255,4 +262,4 @@ def with_motions(scene: Scene, motions: Motions, factors: str, region: Box | Dis
         env = TargetTranslation(env, motions.target_speed, law)
     if motions.camera_speed and "camera" in able:
         env = CameraMotion(env, motions.camera_speed, law)
-    return env
+    return cast("MovableScene | Motion", env)

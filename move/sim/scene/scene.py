@@ -64,6 +64,8 @@ class Scene(Readable, gymnasium.Env):
     """
 
     metadata = {"render_modes": list(RENDER_MODES), "render_fps": 80}
+    phase: str
+    steps: int
 
     def __init__(self, task: str | Task = DEFAULT_TASK, observation: str = "keypoints", image_size: int = IMAGE_SIZE,
                  render_mode: str | None = None, factors: str = "all", drawing: Drawing = "plain") -> None:
