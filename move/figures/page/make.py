@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -15,9 +16,9 @@ from PIL import Image as ImageFile
 
 from move import paths
 from move.figures import load
-from move.figures.page import captions, changes, kept, printed
+from move.figures.page import browser, captions, changes, kept, printed
 from move.figures.page.data import Data, load_or_run
-from move.figures.page.parameters import call, parameters, parts
+from move.figures.page.parameters import call, parameters, parts, runs
 from move.figures.plots import style
 from move.study.execute import progress_bars
 from move.study.profiles import load_profile
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
 
 Item = TypeVar("Item")
 WIDEST = 900  # pixels of a picture in a notebook
+AT_ONCE = 2  # minutes that computing may take in a browser without being asked for
 
 
 @dataclass(frozen=True)
@@ -50,8 +52,9 @@ class Made:
         text = self.answers[self.name]
         if self.change or not changes.by_command():
             remark = f"{printed.as_markdown(str(self.change))}. " if self.change else ""
-            text += (f"\n\n{remark}Written to `{self.data.folder.relative_to(paths.ROOT)}/`; what is shipped stays as "
-                     "it is.")
+            shipped = self.data.profile.shipped and self.data.folder == self.data.profile.figures
+            text += f"\n\n{remark}" + ("This is the shipped figure." if shipped else (
+                f"Written to `{self.data.folder.relative_to(paths.ROOT)}/`; what is shipped stays as it is."))
         return Markdown(text)
 
     def picture(self, name: str = "") -> Image:
@@ -80,11 +83,13 @@ class Made:
         return self.layouts[suffix] if suffix in self.layouts else printed.shown(self.tables[suffix])
 
 
-def make(name: str, profile: str, **given: Any) -> Made:
+def make(name: str, profile: str, compute: bool = False, **given: Any) -> Made:
     """Make figure `name`: run what is missing and reuse what is stored, then write its picture and tables.
 
     Args:
         profile: name of a file under profiles/.
+        compute: in a browser, whether runs are computed that take longer than `AT_ONCE`; without, the figure is drawn
+            from what is stored. `move figure` computes them anyway.
         given: the figure's parameters; those left out are the profile's.
 
     Raises:
@@ -93,11 +98,18 @@ def make(name: str, profile: str, **given: Any) -> Made:
     settings = load_profile(profile)
     change = changes.change(name, settings, given)
     chosen, functions = parameters(name, settings, given), parts(name)
+    browser.show_interrupts_as_one_line()
+    browser.show_status(f"{name}: reading the stored results ...")
     style.use_style()
-    data = (load_or_run(call(name, "runs", chosen, settings), settings, change.folder) if "runs" in functions
+    at_once = math.inf if compute or changes.by_command() else AT_ONCE
+    data = (load_or_run(runs(name, settings, given), settings, change.folder, at_once) if "runs" in functions
             else Data(settings, change.folder))
-    if (answers := kept.answers(name, data, chosen)) is not None:
-        return Made(name, data, kept.tables(name, data.folder), {}, {}, answers, change)
+    browser.show_status(f"{name}: " + (data.postponed and f"drawn from what is stored; {data.postponed}"
+                                       or "making the figure ..."))
+    for folder in dict.fromkeys([data.folder, data.folder if change else settings.figures]):
+        if (answers := kept.answers(name, replace(data, folder=folder), chosen)) is not None:
+            browser.show_status(f"{name}: done.")
+            return Made(name, replace(data, folder=folder), kept.tables(name, folder), {}, {}, answers, change)
     if "seen" in functions:
         data = replace(data, seen=call(name, "seen", chosen, data))
     tables = call(name, "tables", chosen, data)
@@ -111,6 +123,8 @@ def make(name: str, profile: str, **given: Any) -> Made:
     made = Made(name, data, tables, layouts, figures, answers, change)
     _write(made, sources)
     kept.keep(name, data, chosen, answers)
+    if not data.postponed:
+        browser.show_status(f"{name}: done.")
     return made
 
 
