@@ -1,4 +1,4 @@
-"""A notebook that is opened and run untouched is the shipped figure, computes nothing long, and says what is missing."""
+"""A notebook that is opened and run untouched is the shipped figure, computes nothing long, says what is missing."""
 
 import os
 import re
@@ -14,13 +14,14 @@ import pytest  # noqa: E402
 from move import paths  # noqa: E402
 from move.errors import BadInput  # noqa: E402
 from move.figures import names  # noqa: E402
-from move.figures.page import browser, changes, data, kept  # noqa: E402
-from move.figures.page.parameters import specs, with_runs  # noqa: E402
+from move.figures.page import browser, captions, changes, data, kept  # noqa: E402
+from move.figures.page.parameters import specs  # noqa: E402
 from move.study.plan import plan_rows  # noqa: E402
 from move.study.profiles import load_profile  # noqa: E402
 from move.study.results import NOT_COMPUTED  # noqa: E402
 
 LAPTOP = load_profile("laptop")
+MOST_WORDS = 60  # of an answer: the paper, here, how sure; what is more is a table
 
 
 @pytest.fixture
@@ -53,6 +54,8 @@ def nothing_computes(monkeypatch):
 def test_an_untouched_notebook_is_the_shipped_figure_from_stored_results(name, status, nothing_computes):
     made = cells.execute(name)["made"]
     assert not made.change and "Not the shipped figure" not in made.answer
+    lengths = {one: len(captions.plain(answer).split()) for one, answer in made.answers.items()}
+    assert max(lengths.values()) <= MOST_WORDS, lengths
     (planned,) = plan_rows(LAPTOP, {name: specs(name, LAPTOP)})
     assert len(made.data.missing) == planned["missing"] and {why for _, why in made.data.missing} <= {NOT_COMPUTED}
     assert bool(made.data.postponed) == bool(planned["missing"])

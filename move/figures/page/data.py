@@ -93,7 +93,7 @@ def load_or_run(runs: list[LabelledRun], profile: Profile, folder: Path, most_mi
     What is computed is stored under build/; the shipped results are only read.
 
     Args:
-        most_minutes: that computing may take here; what would take longer is left missing, and `Data.postponed` says so.
+        most_minutes: that computing may take here; longer ones are left missing, and `Data.postponed` says so.
 
     Raises:
         BadInput: there is nothing at all to draw; the message says why.
