@@ -18,8 +18,9 @@ from move import paths
 from move.figures import load
 from move.figures.page import browser, captions, changes, kept, printed
 from move.figures.page.data import Data, load_or_run
-from move.figures.page.parameters import call, parameters, parts, runs
+from move.figures.page.parameters import call, labelled_runs, other_task, parameters, parts
 from move.figures.plots import style
+from move.sim.tasks import TASKS
 from move.study.execute import progress_bars
 from move.study.profiles import load_profile
 
@@ -43,6 +44,7 @@ class Made:
     figures: dict[str, Figure]
     answers: dict[str, str]
     change: changes.Change
+    other_task: tuple[str, str] | None = None  # the figure's own task, and the one that it is of here
 
     @property
     def answer(self) -> Markdown:
@@ -52,6 +54,7 @@ class Made:
         text = self.answers[self.name]
         if self.change or not changes.by_command():
             remark = f"{printed.as_markdown(str(self.change))}. " if self.change else ""
+            remark += f"The paper's values are of {TASKS[self.other_task[0]].title}. " if self.other_task else ""
             shipped = self.data.profile.shipped and self.data.folder == self.data.profile.figures
             text += f"\n\n{remark}" + ("This is the shipped figure." if shipped else (
                 f"Written to `{self.data.folder.relative_to(paths.ROOT)}/`; what is shipped stays as it is."))
@@ -102,7 +105,7 @@ def make(name: str, profile: str, compute: bool = False, **given: Any) -> Made:
     browser.show_status(f"{name}: reading the stored results ...")
     style.use_style()
     at_once = math.inf if compute or changes.by_command() else AT_ONCE
-    data = (load_or_run(runs(name, settings, given), settings, change.folder, at_once) if "runs" in functions
+    data = (load_or_run(labelled_runs(name, settings, chosen), settings, change.folder, at_once) if "runs" in functions
             else Data(settings, change.folder))
     browser.show_status(f"{name}: " + (data.postponed and f"drawn from what is stored; {data.postponed}"
                                        or "making the figure ..."))
@@ -113,6 +116,9 @@ def make(name: str, profile: str, compute: bool = False, **given: Any) -> Made:
     if "seen" in functions:
         data = replace(data, seen=call(name, "seen", chosen, data))
     tables = call(name, "tables", chosen, data)
+    other = other_task(name, settings, chosen)
+    if other:
+        tables = {suffix: _without_papers(table) for suffix, table in tables.items()}
     both = (tables, data)
     drawn = call(name, "draw", chosen, *both) if "draw" in functions else {}
     figures = drawn if isinstance(drawn, dict) else {name: drawn}
@@ -120,7 +126,7 @@ def make(name: str, profile: str, compute: bool = False, **given: Any) -> Made:
     sources = (_by_name(call(name, "source", chosen, data), [name, *figures, *tables]) if "source" in functions
                else {})
     layouts = call(name, "printed", chosen, *both) if "printed" in functions else {}
-    made = Made(name, data, tables, layouts, figures, answers, change)
+    made = Made(name, data, tables, layouts, figures, answers, change, other)
     _write(made, sources)
     kept.keep(name, data, chosen, answers)
     if not data.postponed:
@@ -144,12 +150,26 @@ def _write(made: Made, sources: Mapping[str, str]) -> None:
             style.stamp(figure, profile.stamp, "red", 80)
         of = words if name == made.name else words.others[name]
         caption = captions.caption(of, sources.get(name, made.data.source), made.answers[name])
+        caption = replace(caption, title=_named(caption.title, made), text=_named(caption.text, made))
         style.save(figure, name, folder, caption)
         plt.close(figure)
     for suffix, content in made.tables.items():
         name = f"{made.name}_{suffix}" if suffix else made.name
         source = sources.get(suffix or made.name, made.data.source)
-        printed.save(content, name, folder, captions.table_caption(words, suffix, source), made.layouts.get(suffix))
+        caption_text = _named(captions.table_caption(words, suffix, source), made)
+        printed.save(content, name, folder, caption_text, made.layouts.get(suffix))
+
+
+def _named(text: str, made: Made) -> str:
+    """Words of a figure, with the task that it is of here in place of its own."""
+    own, here = (TASKS[task].title for task in made.other_task or ("push", "push"))
+    return text.replace(own, here)
+
+
+def _without_papers(table: pd.DataFrame) -> pd.DataFrame:
+    """A table of another task than the paper's: without the paper's values."""
+    papers = [] if "task" in table else [column for column in table if str(column).startswith("paper")]
+    return table.assign(**dict.fromkeys(papers, float("nan")))
 
 
 def steps(items: Iterable[Item], what: str) -> Iterator[Item]:
