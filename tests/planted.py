@@ -292,7 +292,7 @@ class World:
         self._features = {spec.hash: features(spec) for spec in every.values()}
         self.figures: dict[str, Figure] = {}  # by the name of the file that each was saved under
         self._shown: dict[str, Any] = {}
-        self.displayed: dict[tuple[str, str], pd.DataFrame] = {}  # by figure and suffix: tables as a notebook shows them
+        self.displayed: dict[tuple[str, str], pd.DataFrame] = {}  # by figure and suffix: as a notebook shows it
         place = folder / "results" / PROFILE.name
         place.mkdir(parents=True)
         for result in self.results.values():

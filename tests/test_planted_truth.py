@@ -1172,7 +1172,8 @@ def test_counts_means_and_other_tasks_of_a_summary_are_those_of_its_own_tables(w
 
 @pytest.mark.parametrize(("figure", "suffix", "words"), [
     ("fig6_dimensions", "steps", ""), ("fig7_speed", "ends", ""), ("fig4_scaling", "equal", "called equal"),
-    ("fig_perception", "differences_rgb", "from pixels"), ("fig_perception", "differences_keypoints", "from keypoints")])
+    ("fig_perception", "differences_rgb", "from pixels"),
+    ("fig_perception", "differences_keypoints", "from keypoints")])
 def test_a_sentence_counts_the_differences_of_its_own_table(world, figure, suffix, words):
     text = here(world, figure)
     table = world.table(f"{figure}_{suffix}").dropna(subset="difference")
