@@ -8,13 +8,14 @@ ENVIRONMENTS := build/environments-venv
 CLUSTER_OPTION := $(if $(CLUSTER),--cluster $(CLUSTER))
 NOTEBOOKS := $(basename $(notdir $(wildcard notebooks/*.ipynb)))
 NUMBERED := $(filter $(foreach n,1 2 3 4 5 6 7 8 9,fig$(n)_% table$(n)_%),$(NOTEBOOKS))
+AS_ROOT := $(if $(filter 0,$(shell id -u)),--allow-root)
 SHORT := $(foreach name,$(NUMBERED),$(firstword $(subst _, ,$(name))))
 
 # whether the profile's results are those in git: its figures are drawn from them, and `make runs` computes the rest
 STORED_ONLY := $(if $(shell grep -l '^shipped: true' profiles/$(PROFILE).yaml 2>/dev/null),--stored-only)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup figures runs test test-slow test-lerobot test-environments test-browser plan verify lab site bench doctor lock clean $(NOTEBOOKS) $(SHORT)
+.PHONY: help setup figures runs test test-slow test-lerobot test-environments test-browser plan verify lab slides site bench doctor lock clean $(NOTEBOOKS) $(SHORT)
 
 help:  ## print this list
 	@echo "usage: make TARGET [PROFILE=smoke|laptop|...] [CLUSTER=tcp://host:8786] [TORCH_INDEX=url]"
@@ -86,7 +87,11 @@ verify: $(READY)  ## check every shipped result, recompute a fresh sample of the
 	$(BIN)/move verify --profile $(PROFILE)
 
 lab: $(READY)  ## open JupyterLab on its start page: what to read in which order
-	$(BIN)/jupyter lab --ServerApp.root_dir=. --LabApp.app_settings_dir=docs/lab --LabApp.default_url=/lab/tree/notebooks/start.md
+	$(BIN)/jupyter lab $(AS_ROOT) --config=docs/lab/config.py --ServerApp.root_dir=. \
+		--LabApp.app_settings_dir=docs/lab --LabApp.default_url=/lab/tree/notebooks/start.md
+
+slides: $(READY)  ## the tutorials as slides, executed, into build/slides
+	$(BIN)/jupyter nbconvert --to slides --execute --output-dir build/slides notebooks/tutorial/*.ipynb
 
 site: $(READY)  ## one page of all results and a page a figure, from what is stored, into build/site
 	$(BIN)/python tools/make_site.py

@@ -26,6 +26,7 @@ from cells import execute
 from matplotlib.figure import Figure
 
 from move import paths
+from move.figures.page.make import Made
 from move.figures.page.parameters import runs, with_runs
 from move.figures.plots import style
 from move.learn.evaluation import starts
@@ -304,6 +305,7 @@ class World:
         self._features = {spec.hash: features(spec) for spec in every.values()}
         self.figures: dict[str, Figure] = {}  # by the name of the file that each was saved under
         self._shown: dict[str, Any] = {}
+        self.displayed: dict[tuple[str, str], pd.DataFrame] = {}  # by figure and suffix: as a notebook shows it
         place = folder / "results" / PROFILE.name
         place.mkdir(parents=True)
         for result in self.results.values():
@@ -346,6 +348,7 @@ class World:
     @contextmanager
     def _entered(self) -> Iterator[None]:
         """While notebooks run: results and figures are this world's, nothing is simulated and no picture written."""
+        table = Made.table
 
         def saved(figure: Figure, name: str, folder: Path, caption: Any = None) -> None:
             self.figures[name] = figure
@@ -353,6 +356,11 @@ class World:
             (folder / f"{name}.png").touch()  # which a notebook shows
             if caption:
                 (folder / f"{name}.caption.md").write_text(caption.markdown(), encoding="utf-8")
+
+        def displayed(made: Made, suffix: str = "") -> Any:
+            shown = table(made, suffix)
+            self.displayed[made.name, suffix] = getattr(shown, "data", shown)
+            return shown
 
         def attempts(collection: Any, seed: int, env: None) -> Iterator[SimpleNamespace]:
             rows = visited(collection, self.turned).to_dict("records")
@@ -366,6 +374,7 @@ class World:
             patch.setattr(paths, "RUNS", self.folder / "build" / "runs")
             patch.setattr(coverage, "attempts", attempts)
             patch.setattr(style, "save", saved)
+            patch.setattr(Made, "table", displayed)
             patch.setattr(gc, "collect", lambda *_: 0)  # statsmodels does after every adjustment, a second each time
             if not self.laid_out:  # nobody looks at where the panels are
                 patch.setattr(Figure, "get_layout_engine", lambda figure: None)

@@ -131,7 +131,7 @@ def test_an_output_that_takes_nothing_is_no_traceback(output, code):
 
 def test_help_lists_what_is_allowed_and_gives_examples(capsys, monkeypatch):
     monkeypatch.setenv("COLUMNS", "300")
-    for command in ("collect", "export", "train", "evaluate", "run", "plan", "verify", "figure", "doctor"):
+    for command in ("collect", "export", "train", "evaluate", "run", "plan", "verify", "figure", "doctor", "mark"):
         code, out, _ = move(capsys, command, "--help")
         assert code == 0 and f"move {command}" in out.split("Examples:")[1]
     code, out, _ = move(capsys, "evaluate", "--help")

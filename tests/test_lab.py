@@ -35,7 +35,7 @@ def lab(tmp_path: Path) -> Iterator[str]:
                                 "JUPYTER_CONFIG_DIR": str(tmp_path / "jupyter")}
     command = [sys.executable, "-m", "jupyterlab", "--no-browser", "--allow-root", f"--port={port}", "--ip=127.0.0.1",
                "--IdentityProvider.token=", f"--ServerApp.root_dir={tmp_path}",
-               f"--LabApp.app_settings_dir={paths.ROOT / 'docs/lab'}"]
+               f"--LabApp.app_settings_dir={paths.ROOT / 'docs/lab'}", f"--config={paths.ROOT / 'docs/lab/config.py'}"]
     server = subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     try:
         wait_for(lambda: socket.socket().connect_ex(("127.0.0.1", port)) == 0, 120)

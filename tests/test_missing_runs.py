@@ -66,4 +66,4 @@ def test_coverage_is_told_where_nothing_has_a_counterpart():
     rows = [{"task": task, "moves": moves, "joint": place / 9, "value": place / 12}
             for place, (task, moves) in enumerate((task, moves) for task in ("push", "hammer")
                                                   for moves in ("all", "object", "camera"))]
-    assert "MOVE covers" not in fig_coverage.coverage_text(pd.DataFrame(rows))
+    assert "MOVE's gains" not in fig_coverage.coverage_text(pd.DataFrame(rows))

@@ -23,13 +23,16 @@ def test_a_notebook_has_its_figures_parameters_with_the_laptop_profiles_values_a
     found = {key: eval(one["default"])  # noqa: S307, our own notebook
              for key, one in papermill.inspect_notebook(str(path)).items()}
     assert found.pop("profile") == "laptop"
+    computes = found.pop("compute", None)
+    assert computes is (False if name in parameters.with_runs() else None)
     assert {key: tuple(value) if isinstance(value, list) else value for key, value in found.items()} == (
         parameters.parameters(name, load_profile("laptop")))
     sources = [cell.source for cell in nbformat.read(path, 4).cells if cell.cell_type == "code"]
     (made,) = [node for source in sources for node in ast.walk(ast.parse(source))
                if isinstance(node, ast.Call) and ast.unparse(node.func) == "make"]
     assert [ast.unparse(argument) for argument in made.args] == [repr(name), "profile"]
-    assert {one.arg: ast.unparse(one.value) for one in made.keywords} == {key: key for key in found}
+    assert {one.arg: ast.unparse(one.value) for one in made.keywords} == {
+        key: key for key in [*found, *["compute"] * (computes is False)]}
 
 
 @pytest.mark.parametrize(("profile", "stamped"), [("smoke", True), ("laptop", False)])

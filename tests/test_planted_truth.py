@@ -38,7 +38,7 @@ from move.paper import PAPER, PAPER_TASKS  # noqa: E402
 from move.sim import coverage  # noqa: E402
 from move.sim.grasp_points import CIRCLE  # noqa: E402
 from move.sim.tasks import TASKS, get_task  # noqa: E402
-from move.statistics import estimates  # noqa: E402
+from move.statistics import estimates, verdicts  # noqa: E402
 from move.statistics.data_efficiency import data_efficiency  # noqa: E402
 from move.statistics.over_tasks import over_tasks  # noqa: E402
 
@@ -958,19 +958,22 @@ def test_a_waterfall_and_the_leads_beside_it_are_of_their_case(world, case):
     assert float(diamond.get_xdata()[0]) == pytest.approx(leads.paper.iloc[0])
 
 
-def test_the_gap_tells_each_cases_rates_and_its_largest_step(world):
+def test_the_gap_tells_each_cases_rates_and_shows_its_largest_step(world):
     text, rows, steps = here(world, "gap"), rows_of(world, "gap"), world.table("gap_steps")
     protocol = "the package's protocol"
+    shown = world.displayed["gap", "largest"].set_index("Case")
     for case in ("figure 1", "pick-place", "push"):
         own = {row["setting"]: row for row in rows if (row["case"], row["method"]) == (case, "static")}
         alone = steps[(steps.case == case) & (steps.method == "static") & steps.step.isin(list(own))]
         largest = alone.loc[alone.change.idxmin()]
         assert tells(text, 100 * own[protocol]["value"], f"{case}:", "static")
-        sentence = text.split(f"{case}: static")[1].split(". ")[0]
-        (told,) = re.findall(rf"largest single step is {re.escape(largest.step)} \((\S+) points", sentence)
-        assert int(told) == pytest.approx(100 * largest.change, abs=0.51)
+        sentence = text.split(f"{case}: static")[1].split(";")[0]
+        cells = shown.loc[TITLES.get(case, case)]
+        assert cells["Largest single step of static"] == largest.step
+        assert [int(each) for each in re.findall(r"[+-]\d+", cells["Change (points)"])] == pytest.approx(
+            [100 * largest.change, 100 * largest.low, 100 * largest.high], abs=0.51)
         assert f"{own[protocol]['paper']:.0%} in the paper" in sentence
-        assert f"with all of them {own['all of them together']['value']:.0%}" in sentence
+        assert f"with all settings {own['all of them together']['value']:.0%}" in sentence
 
 
 def test_an_efficiency_stands_on_the_line_of_its_task(world):
@@ -1052,49 +1055,38 @@ def method(*before: str, after: Sequence[str] = ()) -> Callable[[Row], tuple[str
 
 
 SAID = [
-    Said("fig1_sparse", "fig1_sparse_points", method("points themselves")),
-    Said("fig1_sparse", "fig1_sparse_difference", lambda row: (f"{row['hand']} MOVE", "minus", "static"), "difference"),
-    Said("few_demonstrations", "few_demonstrations_points", lambda row: (f"{row['timesteps']:,}", "timesteps"),
+    Said("fig1_sparse", "fig1_sparse_points", method("nine points")),
+    Said("fig1_sparse", "fig1_sparse_difference", lambda row: (row["hand"],), "difference"),
+    Said("few_demonstrations", "few_demonstrations_points", lambda row: (f"{row['timesteps']:,}", "succeeds"),
+         only=lambda row: row["method"] == "static" and row["timesteps"] == 1550),
+    Said("few_demonstrations", "few_demonstrations_differences", lambda row: ("whole space", "MOVE minus static"),
+         "difference", lambda row: row["timesteps"] == 1550),
+    Said("fig3_dense", "fig3_dense_difference", lambda row: (row["hand"],), "difference"),
+    Said("fig5_circle", "fig5_circle_differences", lambda row: (row["where"],), "difference",
+         lambda row: row["hand"] == "anywhere"),
+    Said("fig5_circle", "fig5_circle_points", method("twenty points")),
+    Said("table1_spatial_factors", "table1_spatial_factors", lambda row: ("static has", LESS[row["factors"]]),
          only=lambda row: row["method"] == "static"),
-    Said("few_demonstrations", "few_demonstrations_differences", lambda row: (f"{row['timesteps']:,}", "timesteps"),
-         "difference"),
-    Said("fig3_dense", "fig3_dense_difference", lambda row: (f"{row['hand']} MOVE", "minus", "static"), "difference"),
-    Said("fig3_dense", "fig3_dense_budgets_difference", lambda row: (f"{row['timesteps']:,}", "timesteps"),
-         "difference"),
-    Said("fig5_circle", "fig5_circle_differences",
-         lambda row: (f"{row['where']}, hand {row['hand']} MOVE", "static"), "difference"),
-    Said("fig5_circle", "fig5_circle_points", method("points themselves")),
-    Said("table1_spatial_factors", "table1_spatial_factors", lambda row: (LESS[row["factors"]],),
-         only=lambda row: row["method"] == "static"),
-    Said("table1_spatial_factors", "table1_spatial_factors_differences", lambda row: (LESS[row["factors"]] + ":",),
-         "difference"),
-    Said("table1_spatial_factors", "table1_spatial_factors_lost", lambda row: (LESS[row["factors"]],), "difference"),
-    Said("table2_main", "table2_main_over_tasks", lambda row: ("MOVE", "minus", NAMES[row["baseline"]]),
-         "mean_difference"),
-    Said("table2_main", "table2_main_over_tasks_keypoints",
-         lambda row: ("keypoints", "MOVE", "minus", NAMES[row["baseline"]]), "mean_difference",
-         lambda row: row["baseline"] == "static"),
-    Said("generalization", "generalization_differences", lambda row: (f"{NAMES[row['baseline']]} on {title(row)}",),
-         "difference"),
-    Said("fig4_scaling", "fig4_scaling_equal",
-         lambda row: (title(row), f"{row['move_timesteps']:,}", f"{row['static_timesteps']:,}", "equal"), "difference"),
-    Said("fig6_dimensions", "fig6_dimensions_steps",
-         lambda row: (title(row), f"{row['moves']} against {row['baseline']}"), "difference"),
-    Said("fig7_speed", "fig7_speed_ends",
-         lambda row: (title(row), row["part"], f"{row['speed']:.2g}", f"{row['baseline']:.2g}"), "difference"),
+    Said("table1_spatial_factors", "table1_spatial_factors_differences",
+         lambda row: ("MOVE minus static", LESS[row["factors"]]), "difference"),
+    Said("table2_main", "table2_main_differences_mean", lambda row: ("minus", NAMES[row["baseline"]]), "difference"),
+    Said("table2_main", "table2_main_differences_keypoints_mean",
+         lambda row: ("from keypoints", *["and"] * (row["baseline"] == "adc")), "difference"),
     Said("fig_mixture", "fig_mixture_gains", lambda row: (f"{100 * row['share']:.0f} %",), "difference"),
     Said("fig_speed_law", "fig_speed_law_others", lambda row: (row["law"],), "difference"),
-    Said("fig_training_length", "fig_training_length_differences", lambda row: (title(row),), "difference"),
+    Said("fig_training_length", "fig_training_length_depends", lambda row: ("shortest to the longest",), "difference",
+         lambda row: row["task"].startswith("mean of")),
+    Said("fig_training_length", "fig_training_length_beyond", lambda row: ("recipe's length to the longest",),
+         "difference", lambda row: row["task"].startswith("mean of")),
     Said("equal_demonstrations", "equal_demonstrations_differences",
          lambda row: ("equal", row["equal"], "MOVE", "static"), "difference"),
-    Said("fig_perception", "fig_perception_differences_rgb", lambda row: (row["experiment"], "pixels"), "difference"),
-    Said("fig_perception", "fig_perception_differences_keypoints", lambda row: (row["experiment"], "keypoints"),
-         "difference"),
     Said("table_adc", "table_adc_differences",
-         lambda row: ({"rgb": "pixels"}.get(row["observation"], row["observation"]), row["jumping"],
+         lambda row: ("from " + {"rgb": "pixels"}.get(row["observation"], row["observation"]) + f" {row['jumping']},",
                       f"{row['items']} tasks"), "difference"),
-    Said("table_keypoint_control", "table_keypoint_control_over_tasks",
-         lambda row: ("MOVE", "minus", NAMES[row["baseline"]]), "mean_difference"),
+    Said("keypoint_control", "keypoint_control_differences_mean", lambda row: ("minus", NAMES[row["baseline"]]),
+         "difference"),
+    Said("table_keypoint_control", "table_keypoint_control_differences_mean",
+         lambda row: ("minus", NAMES[row["baseline"]]), "difference"),
 ]
 
 
@@ -1102,38 +1094,174 @@ SAID = [
 def test_a_sentence_tells_the_number_of_each_row_after_whose_it_is(world, sentence):
     text = here(world, sentence.figure)
     rows = [row for row in world.table(sentence.table).to_dict("records") if sentence.only(row)]
+    assert rows, "no row"
     for row in rows:
         assert tells(text, 100 * row[sentence.column], *sentence.words(row)), (row, said(text, *sentence.words(row)))
 
 
-def test_counts_and_means_of_a_sentence_are_those_of_its_own_tables(world):
-    """Where MOVE is above each other method after Holm's adjustment, and by how much on the mean; twice for table 2."""
-    for figure, tables in (("table2_main", ("differences", "differences_keypoints")),
-                           ("keypoint_control", ("differences",)), ("table_keypoint_control", ("differences",))):
-        text = here(world, figure)
-        for suffix in tables:
-            compared, means = (world.table(f"{figure}_{name}") for name in (suffix, f"{suffix}_mean"))
-            for baseline, mean in means.set_index("baseline").iterrows():
-                rows = compared[compared.baseline == baseline]
-                clear = rows[rows.holm < 0.05].difference
-                counts = ((clear > 0).sum(), len(rows), (clear < 0).sum(), len(rows) - len(clear))
-                clause = next(part for part in re.split(r"(?<=\d)\.\s|(?<=\w)\.\s", text)
-                              if f"above {NAMES[baseline]} on" in part and tells(part, 100 * mean.difference, "mean"))
-                assert tuple(map(int, re.findall(r"\d+", clause)[:4])) == counts, (figure, suffix, baseline)
-        rates = world.table(figure)
-        if "task" in rates:
-            for name, value in rates.groupby("method").value.mean().items():
-                assert tells(text, 100 * value, "mean", NAMES[name]), name
+@dataclass(frozen=True)
+class Displayed:
+    """A table that a notebook shows: of each row of the file the number with its interval, next to whose it is."""
+
+    figure: str
+    suffix: str
+    words: Callable[[Row], tuple[str, ...]]
+    columns: tuple[str, str, str] = ("difference", "low", "high")
+    heading: str = "Difference (points)"
+
+
+VALUE = {"columns": ("value", "low", "high"), "heading": "Success (%)"}
+DISPLAYED = [
+    Displayed("fig1_sparse", "difference", lambda row: (row["hand"],)),
+    Displayed("few_demonstrations", "points", lambda row: (f"{row['timesteps']:,}", NAMES[row["method"]]), **VALUE),
+    Displayed("few_demonstrations", "differences", lambda row: (f"{row['timesteps']:,}",)),
+    Displayed("fig3_dense", "difference", lambda row: (row["hand"],)),
+    Displayed("fig3_dense", "budgets_difference", lambda row: (f"{row['timesteps']:,}",)),
+    Displayed("fig5_circle", "differences", lambda row: (row["where"], row["hand"])),
+    Displayed("table1_spatial_factors", "differences", lambda row: (NAMES[row["baseline"]],)),
+    Displayed("table1_spatial_factors", "lost", lambda row: ("object",)),
+    Displayed("table2_main", "differences", lambda row: (title(row), NAMES[row["baseline"]])),
+    Displayed("generalization", "differences", lambda row: (title(row), NAMES[row["baseline"]])),
+    Displayed("fig4_scaling", "equal", lambda row: (title(row), f"{row['move_timesteps']:,}",
+                                                    f"{row['static_timesteps']:,}")),
+    Displayed("fig6_dimensions", "steps", lambda row: (title(row), row["moves"].replace(" + ", ", "),
+                                                       row["baseline"].replace(" + ", ", "))),
+    Displayed("fig7_speed", "ends", lambda row: (title(row), row["part"], f"{row['speed']:.3g}",
+                                                 f"{row['baseline']:.3g}")),
+    Displayed("fig_mixture", "gains", lambda row: (f"{100 * row['share']:.1f}",)),
+    Displayed("fig_speed_law", "others", lambda row: (row["law"], row["baseline"])),
+    Displayed("fig_training_length", "differences", lambda row: (title(row), f"{row['length']:.3g}")),
+    Displayed("fig_training_length", "depends", lambda row: (TITLES.get(row["task"], row["task"]),)),
+    Displayed("fig_training_length", "beyond", lambda row: (TITLES.get(row["task"], row["task"]),)),
+    Displayed("fig_perception", "differences_rgb", lambda row: (row["experiment"],)),
+    Displayed("fig_perception", "differences_keypoints", lambda row: (row["experiment"],)),
+    Displayed("keypoint_control", "differences", lambda row: (f"{row['timesteps']:,}", NAMES[row["baseline"]])),
+    Displayed("table_adc", "differences", lambda row: (row["jumping"], str(row["items"]))),
+    Displayed("table_recipe", "", lambda row: (f"{row['timesteps']:,}", row["change"]), **VALUE),
+    Displayed("table_recipe", "", lambda row: (f"{row['timesteps']:,}", row["change"], f"{row['train_minutes']:.1f}"),
+              ("gain", "gain_low", "gain_high"), "Gain (points)"),
+]
+
+
+def shown_numbers(cell: str) -> list[float]:
+    return [float(number.replace("−", "-")) for number in re.findall(r"[+−]?\d+(?:\.\d+)?", cell)]
+
+
+@pytest.mark.parametrize("table", DISPLAYED, ids=lambda each: f"{each.figure}-{each.suffix}-{each.heading}")
+def test_a_table_in_a_notebook_shows_the_number_of_each_row_next_to_whose_it_is(world, table):
+    world.show(table.figure)
+    shown = world.displayed[table.figure, table.suffix]
+    rows = world.table(f"{table.figure}{'_' * bool(table.suffix)}{table.suffix}").to_dict("records")
+    assert len(rows) == len(shown) > 0
+    for row, (_, cells) in zip(rows, shown.iterrows(), strict=True):
+        expected = [100 * row[column] for column in table.columns]
+        if not np.isnan(expected).any():
+            assert shown_numbers(cells[table.heading]) == pytest.approx(expected, abs=0.05 + 100 * ROUNDED), row
+        assert all(any(word in str(cell) for cell in cells) for word in table.words(row)), (row, list(cells))
+
+
+@pytest.mark.parametrize(("figure", "suffixes"), [
+    ("table2_main", ("", "keypoints")), ("keypoint_control", ("",)), ("table_keypoint_control", ("",))])
+def test_counts_means_and_other_tasks_of_a_summary_are_those_of_its_own_tables(world, figure, suffixes):
+    """Where MOVE is above each other method after Holm's adjustment, by how much on the mean and over other tasks."""
+    world.show(figure)
+    shown = world.displayed[figure, "summary"]
+    assert len(shown) == 2 * len(suffixes)
+    for suffix in suffixes:
+        part = shown if "From" not in shown else shown[shown.From == (suffix or "pixels")]
+        ending = "_" * bool(suffix) + suffix
+        compared, means = (world.table(f"{figure}_differences{ending}{more}") for more in ("", "_mean"))
+        for _, cells in part.iterrows():
+            baseline = next(key for key, name in NAMES.items() if name == cells["Against"])
+            rows = compared[compared.baseline == baseline]
+            clear = rows[rows.holm < 0.05].difference
+            assert [int(cells[name]) for name in ("Above on", "Below on", "Not distinguishable on")] == [
+                (clear > 0).sum(), (clear < 0).sum(), len(rows) - len(clear)]
+            (mean,) = means[means.baseline == baseline].itertuples()
+            assert shown_numbers(cells["Mean difference (points)"]) == pytest.approx(
+                [100 * mean.difference, 100 * mean.low, 100 * mean.high], abs=0.06)
+            if figure == "keypoint_control":
+                continue
+            (over,) = world.table(f"{figure}_over_tasks{ending}").query("baseline == @baseline").itertuples()
+            for heading, expected in (
+                    ("Over other tasks (points)", (over.mean_difference, over.low, over.high)),
+                    ("IQM (points)", (over.iqm_first - over.iqm_second, over.iqm_low, over.iqm_high)),
+                    ("MOVE better (%)", (over.improvement, over.improvement_low, over.improvement_high))):
+                assert shown_numbers(cells[heading]) == pytest.approx([100 * each for each in expected], abs=0.06)
+            p = cells["p, over tasks"]
+            assert p == "<0.001" if over.p_value < 0.001 else float(p) == pytest.approx(over.p_value, abs=0.0006)
+    text, rates = here(world, figure), world.table(figure)
+    if "task" in rates:
+        for name, value in rates.groupby("method").value.mean().items():
+            assert tells(text, 100 * value, *["means"] * (figure != "table2_main"), NAMES[name]), name
+        counted = world.table(f"{figure}_differences")
+    if figure == "table_keypoint_control":
+        for baseline, rows in counted.groupby("baseline"):
+            above = ((rows.holm < 0.05) & (rows.difference > 0)).sum()
+            assert f"above {NAMES[baseline]} on {above} of {len(rows)}" in text
+
+
+@pytest.mark.parametrize(("figure", "suffix", "words"), [
+    ("fig6_dimensions", "steps", ""), ("fig7_speed", "ends", ""), ("fig4_scaling", "equal", "called equal"),
+    ("fig_perception", "differences_rgb", "from pixels"),
+    ("fig_perception", "differences_keypoints", "from keypoints")])
+def test_a_sentence_counts_the_differences_of_its_own_table(world, figure, suffix, words):
+    text = here(world, figure)
+    table = world.table(f"{figure}_{suffix}").dropna(subset="difference")
+    clear = table[table.holm < 0.05].difference
+    counts = [(clear > 0).sum(), len(table), (clear < 0).sum(), len(table) - len(clear)]
+    found = re.findall(rf"{words}[^;\d]*(\d+) of (\d+) are above 0, (\d+) below(?:, (\d+) not)?", text)
+    assert counts in [[int(each or len(table) - len(clear)) for each in one] for one in found], found
+
+
+@pytest.mark.parametrize(("figure", "suffix", "words"), [
+    ("fig6_dimensions", "steps", lambda row: f"{title(row)}, {row['moves']} against {row['baseline']} "),
+    ("fig7_speed", "ends", lambda row: f"{title(row)}, {row['part']} {row['speed']:.2g} against {row['baseline']:.2g} ")
+])
+def test_a_sentence_tells_the_largest_difference_of_its_own_table(world, figure, suffix, words):
+    text, table = here(world, figure), world.table(f"{figure}_{suffix}")
+    row = table.loc[table.difference.abs().idxmax()].to_dict()
+    assert tells(text, 100 * row["difference"], "largest", words(row))
+
+
+@pytest.mark.parametrize("figure", ["fig1_sparse", "fig3_dense", "fig5_circle"])
+def test_the_verdict_of_a_difference_is_that_of_its_own_row(world, figure):
+    """By the rule of `move.statistics.verdicts`, of the paper's difference and the room above static."""
+    text = here(world, figure)
+    name = "differences" if figure == "fig5_circle" else "difference"
+    rates = world.table(f"{figure}_hand").query("method == 'static'")
+    theirs = PAPER.query("experiment == @figure and metric == 'success'")
+    rows = world.table(f"{figure}_{name}").to_dict("records")
+    for row, shown in zip(rows, world.displayed[figure, name].Verdict, strict=True):
+        by = [key for key in ("where", "hand") if key in row]
+        (static,) = rates[(rates[by] == pd.Series(row)[by]).all(axis=1)].value
+        papers = theirs if "where" not in row else theirs[theirs.condition == row["where"]]
+        papers = papers.set_index("method").value
+        finding = verdicts.Finding("", row["difference"], row["low"], row["high"],
+                                   paper=papers.move - papers.static, room=1 - static)
+        assert shown == verdicts.verdict([finding]), row
+        if row["hand"] == "anywhere" or figure != "fig5_circle":
+            assert re.search(rf"{row.get('where', row['hand'])} [^;]*\]: {re.escape(shown)}", text), (row, text)
 
 
 def test_generalization_tells_each_methods_means_over_the_tasks(world):
     text, table = here(world, "generalization"), world.table("generalization")
+    shown = world.displayed["generalization", "means"].set_index("Method")
+    assert len(shown) == table.method.nunique()
     for name, rows in table.groupby("method"):
-        clause = next(part for part in text.split(";") if f"{NAMES[name]} on {len(rows)} tasks" in part)
-        numbers = [int(number) for number in re.findall(r"(-?\d+) (?:%|points)", clause)][:5]
-        expected = [rows.own.mean(), rows.elsewhere.mean(), rows.lost.mean(), rows.in_motion.mean(), rows.own.min()]
-        assert numbers == [pytest.approx(100 * value, abs=0.51) for value in expected]
-        assert TITLES[rows.task[rows.own.idxmin()]] in clause
+        cells = shown.loc[NAMES[name]]
+        expected = [100 * rows[column].mean() for column in ("own", "elsewhere", "lost", "in_motion")]
+        assert [shown_numbers(cells[heading])[0] for heading in (
+            "At its own grasps (%)", "Elsewhere (%)", "Lost elsewhere (points)", "Elsewhere, in motion (%)")] == (
+            pytest.approx(expected, abs=0.06)) and int(cells["Tasks"]) == len(rows)
+        lowest = f"{TITLES[rows.task[rows.own.idxmin()]]} ({100 * rows.own.min():.0f} %)"
+        assert cells["Lowest at its own grasps"] == lowest
+        told = re.search(rf"{NAMES[name]} (\d+)%, (\d+)%, (\d+)%", text)
+        assert [int(each) for each in told.groups()] == pytest.approx(
+            [100 * rows[column].mean() for column in ("own", "elsewhere", "in_motion")], abs=0.51)
+    for baseline, rows in world.table("generalization_differences").groupby("baseline"):
+        above = ((rows.holm < 0.05) & (rows.difference > 0)).sum()
+        assert f"above {NAMES[baseline]} on {above} of {len(rows)}" in text
 
 
 def test_rollouts_tells_each_methods_rate_over_all_episodes(world):
@@ -1142,12 +1270,16 @@ def test_rollouts_tells_each_methods_rate_over_all_episodes(world):
         assert tells(text, 100 * world.cell("rollouts", method=name).mean(), "succeed", NAMES[name])
 
 
-def test_efficiencies_are_told_task_by_task(world):
+def test_efficiencies_are_shown_task_by_task_and_the_median_one_is_told(world):
     text, table = here(world, "fig4_scaling"), world.table("fig4_scaling_efficiency")
+    shown = world.displayed["fig4_scaling", "efficiency"].set_index("Task")["Factor"]
     for row in table.itertuples():
         more = row.ratio > row.most
-        found = re.search(rf"{TITLES[row.task]} (> )?([\d.]+) \[", text)
+        found = re.match(r"(> )?([\d.]+) \[", shown[TITLES[row.task]])
         assert bool(found[1]) == more and float(found[2]) == pytest.approx(min(row.ratio, row.most), rel=0.06)
+    median = float(re.search(r"Median task (?:> |between )?([\d.]+)", text)[1])
+    assert median == pytest.approx(np.median(np.minimum(table.ratio, table.most)), rel=0.06)
+    assert f"on {(table.low > 1).sum()} of {len(table)}, after Holm's adjustment on {(table.holm < 0.05).sum()}" in text
 
 
 def test_what_a_demonstration_costs_is_told_expert_by_expert(world):
@@ -1160,15 +1292,11 @@ def test_what_a_demonstration_costs_is_told_expert_by_expert(world):
                                          100 * rates.move, 100 * rates.static], abs=0.51)
 
 
-def test_the_recipe_tells_minutes_rate_and_gain_of_its_lengths(world):
+def test_the_recipe_tells_minutes_and_rate_of_the_chosen_lengths(world):
     text = here(world, "table_recipe")
-    for row in world.table("table_recipe").to_dict("records"):
-        if row["change"] == "chosen" or "as long" in row["change"]:
-            words = (f"{row['timesteps']:,} timesteps, {row['change']}:",)
-            assert tells(text, row["train_minutes"], *words)
-            assert tells(text, 100 * row["value"], *words, "training")
-            if row["change"] != "chosen":
-                assert tells(text, 100 * row["gain"], *words, "configurations")
+    for row in world.table("table_recipe").query("change == 'chosen'").to_dict("records"):
+        words = (f"{row['timesteps']:,} timesteps, {row['change']}:",)
+        assert tells(text, row["train_minutes"], *words) and tells(text, 100 * row["value"], *words, "training")
 
 
 def test_coverages_correlations_are_of_the_cells_that_are_drawn(world):
@@ -1184,7 +1312,7 @@ def test_coverages_correlations_are_of_the_cells_that_are_drawn(world):
 
 def test_the_noise_that_is_told_is_that_of_its_own_observation(world):
     text = here(world, "table2_main")
-    for words, kind in ((("varies by",), "rgb"), (("from", "pixels", "and"), "keypoints")):
+    for words, kind in ((("differ by",), "rgb"), (("differ by", "(keypoints"), "keypoints")):
         known = noise(world, kind)
         assert known.degrees and tells(text, 100 * known.deviation, *words), kind
     text = world.show("statistics", draws=20)

@@ -19,7 +19,7 @@ from rich.console import Console  # noqa: E402
 from move import paths  # noqa: E402
 from move.errors import BadInput  # noqa: E402
 from move.figures import fig1_sparse, names  # noqa: E402
-from move.figures.page import changes, data, kernels, parameters  # noqa: E402
+from move.figures.page import changes, data, kept, kernels, parameters  # noqa: E402
 from move.figures.page.make import make, steps  # noqa: E402
 from move.figures.plots import style  # noqa: E402
 from move.study import execute  # noqa: E402
@@ -106,6 +106,12 @@ def test_a_bar_ends_at_a_hundred_per_cent_and_a_narrow_page_cuts_the_description
     assert list(steps(["a", "b"], "a task with a long name " * 5)) == ["a", "b"]
     last = drawn.getvalue()[drawn.getvalue().rindex("%") - 3:]
     assert last.startswith("100%") and "0:00:0" in last and len(re.sub(r"\x1b\S*?[A-Za-z]", "", last)) <= 60
+
+
+def test_a_figures_files_are_listed_with_its_pictures_first():
+    listed = [path.name for path in kept.files_of("fig1_sparse", LAPTOP.figures)]
+    assert listed[:3] == ["fig1_sparse.png", "fig1_sparse.pdf", "fig1_sparse.caption.md"]
+    assert {"fig1_sparse.csv", "fig1_sparse_hand.tex"} <= set(listed) and len(listed) == len(set(listed))
 
 
 def test_bad_input_in_a_notebook_is_one_line():

@@ -146,7 +146,7 @@ def test_an_efficiency_table_has_a_row_only_where_both_curves_are():
             for trial in range(100)]
     table = fig4_scaling.efficiency_table(pd.DataFrame(rows), 20_000)
     assert list(table.task) == ["push"] and np.isclose(table.ratio[0], 1)
-    assert "Push 1" in fig4_scaling.efficiency_text(table)
+    assert "Median task 1; above 1 with its whole interval on 0 of 1" in fig4_scaling.efficiency_text(table)
 
 
 def test_the_papers_points_stand_at_the_papers_budgets():

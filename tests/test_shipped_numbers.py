@@ -206,6 +206,11 @@ def test_every_difference_that_a_caption_tells_stands_in_a_table_with_the_same_w
         assert not word or word in expected, told[0]
 
 
+@pytest.mark.parametrize("name", CAPTIONS)
+def test_a_shipped_answer_has_at_most_sixty_words(name):
+    assert len(came_out(name).split()) <= 60
+
+
 MISSING = re.compile(r"(\d+) of (\d+) runs are missing|no run is missing")
 
 

@@ -1,5 +1,7 @@
 """The tutorial notebooks run at small sizes, write nothing outside build/, and their exercises can be solved."""
 
+import asyncio
+import json
 import os
 import re
 import runpy
@@ -10,9 +12,11 @@ import nbformat
 import numpy as np
 import pytest
 from jupyter_client.manager import KernelManager
+from jupyter_server.services.contents.largefilemanager import AsyncLargeFileManager
 from nbclient import NotebookClient
 from papermill.iorw import load_notebook_node
 from papermill.parameterize import parameterize_notebook
+from traitlets.config import PyFileConfigLoader
 
 import move
 from move import paths
@@ -22,17 +26,12 @@ from move.sim.coverage import configurations
 from move.sim.motion.wrappers import Motions, ObjectTranslation, with_motions
 from move.sim.scene.scene import Scene
 from move.sim.tasks import get_task
-from move.teaching import exercises, methods
+from move.teaching import exercises, lab, marking, methods
 from move.teaching import paths as traces
+from move.teaching.marking import SMALL
 
 TUTORIAL = paths.NOTEBOOKS / "tutorial"
-SMALL = {
-    "1_a_scene_that_moves": {"demonstrations": 3, "timesteps": 200, "image_size": 48},
-    "2_collect_and_look": {"timesteps": 200, "image_size": 32},
-    "3_a_diffusion_policy": {"timesteps": 200, "gradient_steps": 40, "episodes": 2, "image_size": 48},
-    "4_what_a_success_rate_can_say": {"draws": 10},
-    "5_change_the_method": {"timesteps": 150, "gradient_steps": 20, "episodes": 2},
-}
+SOLUTIONS = paths.ROOT / "docs/solutions"  # away from what students open
 WRONG = {"1.1": 90, "1.2": lambda start, velocity, time, low, high: start + velocity * time, "1.3": "target",
          "2.1": lambda seen, angle: seen, "2.2": 2497, "2.3": lambda t, first, last: ([t - 1, t], [t, t, t, t]),
          "3.1": lambda actions, noise, alpha_bar: alpha_bar * actions + (1 - alpha_bar) * noise,
@@ -46,7 +45,9 @@ def notebook(name: str) -> nbformat.NotebookNode:
 
 
 def code(name: str) -> list[nbformat.NotebookNode]:
-    return [cell for cell in notebook(name).cells if cell.cell_type == "code"]
+    """The code cells but for the one that is for Colab."""
+    return [cell for cell in notebook(name).cells
+            if cell.cell_type == "code" and "colab" not in cell.metadata.get("tags", [])]
 
 
 def asked(name: str) -> dict[str, str]:
@@ -129,7 +130,7 @@ def test_the_tutorials_are_all_tested_and_every_exercise_is_asked_once():
 
 @pytest.mark.parametrize("name, number, answer", SOLVED)
 def test_the_solution_passes_its_check_and_a_wrong_answer_does_not(name, number, answer):
-    solution = runpy.run_path(str(TUTORIAL / "solutions" / f"{name}.py"))[answer]
+    solution = runpy.run_path(str(SOLUTIONS / f"{name}.py"))[answer]
     assert exercises.check(number, solution).right, exercises.check(number, solution)
     verdict = exercises.check(number, WRONG[number])
     assert not verdict.right and len(verdict.text) > 30
@@ -147,6 +148,114 @@ def test_the_solution_passes_its_check_and_a_wrong_answer_does_not(name, number,
 def test_a_half_right_answer_gets_a_hint(number, answer, hint):
     verdict = exercises.check(number, answer)
     assert not verdict.right and hint in verdict.text
+
+
+@pytest.mark.parametrize("number", [number for _, number, _ in SOLVED])
+@pytest.mark.parametrize("answer", [None, {"a": 1}, 10_000_000, 1e300, float("nan"), -1, "text", [1, 2], object()])
+def test_whatever_is_answered_gets_a_kind_line_at_once(number, answer):
+    verdict = exercises.check(number, answer)
+    assert not verdict.right and len(verdict.text) > 30
+    assert not any(raw in verdict.text for raw in ("stopped with", "object has no", "argument", "TiB", "Error"))
+
+
+def test_a_tutorial_takes_as_long_wherever_it_is_told_and_the_paths_fit():
+    start = (paths.NOTEBOOKS / "start.md").read_text(encoding="utf-8")
+    found = re.findall(r"\]\((?:tutorial/)?(\w+)\.ipynb\) \| (\d+) \|", start)
+    minutes = {name: int(told) for name, told in found}
+    for name in SMALL:
+        told = re.search(r"It takes\*\* about (\d+) minutes", notebook(name).cells[0].source)
+        assert int(told[1]) == minutes[name], name
+    three = sum(minutes[name] for name in ("fig1_sparse", "table2_main", "claims"))
+    by_number = [minutes[name] for name in SMALL]
+    assert by_number[0] + by_number[3] + three <= 45 and sum(by_number[:4]) + three <= 90
+    page = (paths.ROOT / "docs/teaching.md").read_text(encoding="utf-8")
+    assert all(f"{path} minutes" in start and f"| {path} |" in page for path in (45, 90))
+
+
+@pytest.mark.parametrize("name", SMALL)
+def test_a_tutorial_is_slides_and_begins_with_a_cell_for_colab_alone(name):
+    cells = notebook(name).cells
+    kinds = [cell.metadata.slideshow.slide_type for cell in cells]
+    headings = [cell.source.startswith("#") for cell in cells]
+    assert [kind == "slide" for kind in kinds] == headings and set(kinds) <= {"slide", "subslide", "fragment", "skip"}
+    (first,) = [cell for cell in cells if "colab" in cell.metadata.get("tags", [])]
+    assert first is next(cell for cell in cells if cell.cell_type == "code")
+    assert "nobody has tried it" in first.source
+    exec(first.source, {})  # elsewhere it does nothing
+
+
+# marking --------------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def handed_in(tmp_path) -> Path:
+    """Tutorial 4 as four students hand it in: solved in part, an endless loop, no notebook, another notebook."""
+    folder = tmp_path / "handed_in"
+    (folder / "group 1").mkdir(parents=True)
+    cells = ["draws = 5000", "from move.teaching.exercises import check", "import os\nprint('noise'); os.chdir('/')",
+             "1 / 0", 'trials_needed = 385\ncheck("4.1", trials_needed)', 'check("4.2", None)',
+             'assert draws == 10\ncheck("4.3", ...)\ncheck("4.3", 10_000_000)']
+    mine = nbformat.v4.new_notebook(cells=list(map(nbformat.v4.new_code_cell, cells)))
+    mine.cells[0].metadata["tags"] = ["parameters"]
+    nbformat.write(mine, folder / "group 1" / "mine.ipynb")
+    mine.cells.insert(-1, nbformat.v4.new_code_cell("while True: pass"))
+    nbformat.write(mine, folder / "endless.ipynb")
+    (folder / "broken.ipynb").write_text("{")
+    nbformat.write(nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell("1")]), folder / "other.ipynb")
+    return folder
+
+
+def test_marking_runs_what_was_handed_in_apart_and_within_its_time(handed_in):
+    before = sorted(handed_in.rglob("*"))
+    rows = {row["notebook"]: row for row in marking.mark(handed_in, minutes=0.25)}
+    assert sorted(handed_in.rglob("*")) == before and set(rows) == {
+        "group 1/mine.ipynb", "endless.ipynb", "broken.ipynb", "other.ipynb"}
+    mine, endless = rows["group 1/mine.ipynb"], rows["endless.ipynb"]
+    assert (mine["right"], mine["of"]) == (1, 3) and mine["exercises"]["4.1"] == ""
+    assert "None" in mine["exercises"]["4.2"] and "million" in mine["exercises"]["4.3"]
+    assert mine["remark"].startswith("cell ") and "ZeroDivisionError" in mine["remark"]
+    assert endless["right"] == 1 and endless["exercises"]["4.3"] == "not reached"
+    assert "stopped after 0.25 minutes" in endless["remark"]
+    assert "not readable" in rows["broken.ipynb"]["remark"] and "no exercise" in rows["other.ipynb"]["remark"]
+
+
+def test_marking_refuses_a_folder_without_notebooks(tmp_path):
+    for folder in (tmp_path, tmp_path / "none"):
+        with pytest.raises(BadInput, match="folder"):
+            marking.mark(folder)
+
+
+# what a browser saves -------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("path", sorted(paths.NOTEBOOKS.rglob("*.ipynb")), ids=lambda path: path.stem)
+def test_saving_a_used_notebook_leaves_it_as_git_has_it(path):
+    used = nbformat.read(path, 4)
+    for number, cell in enumerate(cell for cell in used.cells if cell.cell_type == "code"):
+        cell.outputs, cell.execution_count = [nbformat.v4.new_output("stream", text="seen")], number
+        cell.metadata |= {"execution": {"iopub.status.idle": "now"}, "collapsed": True}
+    used.metadata |= {"language_info": {"name": "python", "version": "3.13.1"}, "widgets": {"state": {}}}
+    model = {"type": "notebook", "content": used}
+    lab.without_outputs(model, f"notebooks/{path.relative_to(paths.NOTEBOOKS)}")
+    assert nbformat.writes(nbformat.from_dict(model["content"])) + "\n" == path.read_text(encoding="utf-8")
+    other = {"type": "notebook", "content": used}
+    lab.without_outputs(other, "my_notebooks/mine.ipynb")
+    assert other["content"].cells == used.cells and other["content"].metadata == used.metadata
+
+
+def test_the_labs_settings_make_jupyters_own_manager_save_no_outputs(tmp_path):
+    settings = PyFileConfigLoader("config.py", str(paths.ROOT / "docs/lab")).load_config()
+    (tmp_path / "notebooks").mkdir()
+    manager = AsyncLargeFileManager(root_dir=str(tmp_path), config=settings)
+    committed = paths.NOTEBOOKS / "statistics.ipynb"
+    used = nbformat.read(committed, 4)
+    used.cells[1].outputs = [nbformat.v4.new_output("stream", text="seen")]
+    model = {"type": "notebook", "format": "json", "content": used}
+    asyncio.run(manager.save(model, "notebooks/statistics.ipynb"))
+    assert (tmp_path / "notebooks/statistics.ipynb").read_text() == committed.read_text()
+    assert f"--config={Path('docs/lab/config.py')}" in (paths.ROOT / "Makefile").read_text()
+    news = json.loads((paths.ROOT / "docs/lab/overrides.json").read_text())
+    assert news["@jupyterlab/apputils-extension:notification"] == {"fetchNews": "false"}
 
 
 # the room's own functions ---------------------------------------------------------------------------------------------

@@ -1,10 +1,11 @@
-"""The command line: move collect | export | train | evaluate | compare | run | plan | verify | figure | doctor.
+"""The command line: move collect | export | train | evaluate | compare | run | plan | verify | figure | doctor | mark.
 
 Bad input ends with one line on standard error and exit code 2; a run that failed ends with exit code 1. What is slow to
 import is imported by the command that needs it, once names are checked.
 
 by_hand.py      collect, export, train, evaluate, compare
 study.py        run, plan, verify, figure, doctor
+teaching.py     mark
 parameters.py   -p name=value
 options.py      the program, and options that several commands have
 output.py       tables, JSON, bars, paths
@@ -20,11 +21,11 @@ import warnings
 import typer
 
 from move import paths
-from move.cli import by_hand, study
+from move.cli import by_hand, study, teaching
 from move.cli.options import app
 from move.errors import BadInput
 
-__all__ = ["app", "by_hand", "main", "study"]
+__all__ = ["app", "by_hand", "main", "study", "teaching"]
 
 INTERRUPTED = 130  # exit code after Ctrl-C
 

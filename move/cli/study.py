@@ -191,12 +191,11 @@ def figure(
                 typer.echo(f"move: {said if done.name in said else f'{done.name}: {said}'}", err=True)
                 continue
             files = files_of(done.name, change(done.name, chosen, changes).folder)
-            rows.append({"notebook": done.name, "executed": done.executed,
-                         "written": [path for path in files if path.stat().st_mtime >= done.began]})
+            rows.append({"notebook": done.name, "files": files, "executed": done.executed})
     if as_json:
         show(rows, True, "")
     else:
-        show_paths([path for row in rows for path in (row["executed"], *row["written"])])
+        show_paths([path for row in rows for path in (*row["files"], row["executed"])])
     if failed:
         if len(names) > 1:
             typer.echo(f"move: {len(failed)} of {len(names)} not drawn: {', '.join(failed)}", err=True)

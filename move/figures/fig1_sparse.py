@@ -27,9 +27,11 @@ from move.figures.tables import (
     difference_table,
     rate_table,
     rates_text,
+    readable,
     run_costs,
     verdicts_text,
     with_paper,
+    with_verdicts,
 )
 from move.learn.evaluation import Evaluation
 from move.study.kinds import policy_run
@@ -116,6 +118,11 @@ def tables(data: Data, *, observation: str) -> dict[str, pd.DataFrame]:
     }
 
 
+def printed(tables: dict[str, pd.DataFrame], data: Data) -> dict[str, pd.DataFrame]:
+    """The differences with their verdicts."""
+    return {"difference": readable(with_verdicts(tables["difference"], tables["hand"], ["hand"]))}
+
+
 def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:
     """Two maps, and the rates over the whole space by where the hand starts."""
     figure, axes = plt.subplots(1, 3, figsize=(PAGE_WIDTH, 2.3), width_ratios=[1, 1, 1.1])
@@ -148,12 +155,12 @@ def by_hand(rates: pd.DataFrame, ax: Axes) -> None:
 
 
 def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
-    """The paper's rates, those here by the hand's start with verdicts, and those at the points."""
+    """The paper's rates, the differences here by the hand's start with verdicts, and the rates at the points."""
+    compared = with_verdicts(tables["difference"], tables["hand"], ["hand"])
     return (
-        f"**The paper:** over the whole space {rates_text(paper.published('fig1_sparse', 'success'))}. **Here**, by "
-        f"where the hand starts: {verdicts_text(tables['difference'], tables['hand'], 'hand')}. At the nine points "
-        f"themselves, hands anywhere: {rates_text(tables['points'])}. **How sure:** the intervals include how "
-        f"trainings and places differ; which of the three made the paper's figure cannot be known. {data.sample_size}")
+        f"**The paper:** whole space {rates_text(paper.published('fig1_sparse', 'success'))}. **Here**, MOVE minus "
+        f"static in points, by the hand's start: {verdicts_text(compared, 'hand')}. At the nine points: "
+        f"{rates_text(tables['points'])}. **How sure:** {data.sample_size}")
 
 
 MAPS = ("seen from above: a cell is one place of the object, its colour the number of seeds whose policy succeeds "

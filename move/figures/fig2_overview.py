@@ -104,13 +104,13 @@ def draw(tables: dict[str, pd.DataFrame], data: Data, *, task: str) -> Figure:
 def answer(tables: dict[str, pd.DataFrame], data: Data, *, timesteps: int) -> str:
     """How many demonstrations each method makes, and what share of the cells they show."""
     row = tables[""].set_index("method")
-    shares = "; ".join(f"the {part} in **{row[part].move:.0%}**, {row[part].static:.0%} and {row[part].adc:.0%}"
+    shares = "; ".join(f"the {part}'s **{row[part].move:.0%}**, {row[part].static:.0%} and {row[part].adc:.0%}"
                        for part in ("object", "target", "camera"))
     return (
-        "**The paper:** a picture, without numbers, of points (static), more points (ADC) and segments (MOVE). "
+        "**The paper:** a picture, without numbers. "
         f"**Here:** at {timesteps:,} timesteps MOVE's {row.demonstrations.move}, static's {row.demonstrations.static} "
         f"and ADC's {row.demonstrations.adc} demonstrations show, of the cells of its range or arc, {shares}. "
-        "**How sure:** counted in one collection a method; another seed gives other places and much the same shares.")
+        "**How sure:** counted in one collection a method; another seed gives much the same shares.")
 
 
 WORDS = Words(

@@ -15,7 +15,7 @@ from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Seeds
 from move.figures.plots.panels import methods_and_seeds
 from move.figures.plots.style import PAGE_WIDTH, titles
-from move.figures.tables import VARIANTS, counts_text, difference_text, rate_table, variant_rows
+from move.figures.tables import VARIANTS, counts_text, difference_brief, largest, rate_table, variant_rows
 from move.sim.motion.wrappers import movable
 from move.sim.tasks import TASKS, get_task
 from move.statistics.estimates import UNKNOWN, TrainingNoise
@@ -88,14 +88,13 @@ def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:
 
 
 def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
-    """How many neighbours differ, and each difference."""
-    steps = tables["steps"]
-    each = "; ".join(f"{TASKS[row['task']].title}, {row['moves']} against {row['baseline']}: {difference_text(row)}"
-                     for _, row in steps.iterrows())
+    """How many neighbours differ, and the largest difference."""
+    steps, row = tables["steps"], largest(tables["steps"])
+    most = "" if row is None else (f"; the largest: {TASKS[row.task].title}, {row.moves} against {row.baseline} "
+                                   f"{difference_brief(row)}")
     return (
-        "**The paper:** success rises with every motion that is added. **Here:** of the differences between neighbours "
-        f"that are computed, and of each motion alone against nothing, {counts_text(steps)}: {each or 'none yet'}. "
-        f"**How sure:** the words hold after Holm's adjustment for one task. {data.sample_size}")
+        "**The paper:** success rises with every motion that is added. **Here**, each motion added, or alone against "
+        f"nothing, in points: {counts_text(steps)}{most}. **How sure:** {data.sample_size}")
 
 
 WORDS = Words(

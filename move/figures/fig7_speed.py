@@ -17,7 +17,7 @@ from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Seeds
 from move.figures.plots.panels import empty_panel
 from move.figures.plots.style import PAGE_WIDTH, titles
-from move.figures.tables import VARIANTS, counts_text, difference_text, rate_table, variant_rows
+from move.figures.tables import VARIANTS, counts_text, difference_brief, largest, rate_table, variant_rows
 from move.sim.collection import FASTEST, FASTEST_TURN
 from move.sim.motion.wrappers import movable
 from move.sim.tasks import TASKS, get_task
@@ -104,14 +104,13 @@ def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:
 
 
 def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
-    """Each speed against the usual one."""
-    ends = tables["ends"]
-    each = "; ".join(f"{TASKS[row['task']].title}, {row['part']} {row['speed']:.2g} against {row['baseline']:.2g}: "
-                     f"{difference_text(row)}" for _, row in ends.iterrows())
+    """How many speeds differ from the usual one, and the largest difference."""
+    ends, row = tables["ends"], largest(tables["ends"])
+    most = "" if row is None else (f"; the largest: {TASKS[row.task].title}, {row.part} {row.speed:.2g} against "
+                                   f"{row.baseline:.2g} {difference_brief(row)}")
     return (
-        "**The paper:** a degree of robustness to speed. **Here:** each speed minus the one used everywhere else: "
-        f"{counts_text(ends)}; {each or 'nothing is computed yet'}. **How sure:** not distinguishable is not the "
-        f"same; look at the intervals. {data.sample_size}")
+        "**The paper:** a degree of robustness to speed. **Here**, each speed minus the usual one, in points: "
+        f"{counts_text(ends)}{most}. **How sure:** not distinguishable is not the same. {data.sample_size}")
 
 
 WORDS = Words(

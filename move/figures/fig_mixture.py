@@ -15,7 +15,7 @@ from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Seeds, Share, TaskName
 from move.figures.plots.panels import methods_and_seeds
 from move.figures.plots.style import COLUMN_WIDTH, titles
-from move.figures.tables import VARIANTS, difference_text, rate_table, variant_rows
+from move.figures.tables import VARIANTS, difference_brief, rate_table, variant_rows
 from move.sim.tasks import TASKS
 from move.statistics.estimates import UNKNOWN, TrainingNoise
 from move.study.kinds import policy_run
@@ -66,10 +66,9 @@ def draw(tables: dict[str, pd.DataFrame], data: Data, *, task: str) -> Figure:
 
 def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
     """Each share against none."""
-    each = "; ".join(f"{100 * row.share:.0f} % against none {difference_text(row)}"
-                     for _, row in tables["gains"].iterrows())
-    return (f"**The paper** does not ask this. **Here:** {each or 'nothing is computed yet'}. **How sure:** the words "
-            f"hold after Holm's adjustment for all shares. {data.sample_size}")
+    each = "; ".join(f"{100 * row.share:.0f} % {difference_brief(row)}" for _, row in tables["gains"].iterrows())
+    return (f"**The paper** does not ask this. **Here**, in points against none: {each or 'nothing is computed yet'}. "
+            f"**How sure:** after Holm's adjustment. {data.sample_size}")
 
 
 WORDS = Words(

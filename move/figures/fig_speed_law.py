@@ -67,8 +67,7 @@ def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
     each = "; ".join(f"{row.law} against Beta {difference_text(row)}" for _, row in tables["others"].iterrows())
     return (
         "**The paper:** Beta-distributed speeds help robust grasping; it compares with no other law. **Here:** "
-        f"{each or 'nothing is computed yet'}. **How sure:** the words hold after Holm's adjustment for all laws. "
-        f"{data.sample_size}")
+        f"{each or 'nothing is computed yet'}. **How sure:** {data.sample_size}")
 
 
 WORDS = Words(

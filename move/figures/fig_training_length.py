@@ -14,7 +14,7 @@ from move.figures.page.captions import DIFFERENCES, INTERVALS, RATES, Words
 from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Multiple, Repeats
 from move.figures.plots.style import PAGE_WIDTH, titles
-from move.figures.tables import COLUMNS, as_columns, difference_text, differences_at, rate_table, with_holm
+from move.figures.tables import COLUMNS, as_columns, difference_brief, differences_at, rate_table, with_holm
 from move.sim.tasks import TASKS
 from move.statistics.cells import successes, training_noise
 from move.statistics.estimates import UNKNOWN, TrainingNoise, contrast, mean_contrast
@@ -90,20 +90,14 @@ def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:
 
 
 def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
-    """MOVE minus static at each length, and how that changes."""
-    at_each = "; ".join(
-        f"{length:.2g} times the steps: " + _by_task(rows) for length, rows in tables["differences"].groupby("length"))
-    change, after = (_by_task(tables[suffix], "; ") or "not computed yet" for suffix in ("depends", "beyond"))
+    """How MOVE minus static changes with the length of training, on the mean of the tasks."""
+    change, after = (f"{difference_brief(tables[suffix].iloc[-1])}" if len(tables[suffix]) else "not computed yet"
+                     for suffix in ("depends", "beyond"))
+    of = tables["depends"].task.iloc[-1] if len(tables["depends"]) else "tasks"
     return (
-        f"**The paper** trains every policy for 220,000 steps and does not ask. **Here:** MOVE minus static at "
-        f"{at_each}. From the shortest to the longest training it changes by: {change}; from the recipe's own length "
-        f"to the longest: {after}. **How sure:** with two seeds such a change is known to some ten points only. "
-        f"{data.sample_size}")
-
-
-def _by_task(rows: pd.DataFrame, between: str = ", ") -> str:
-    return between.join(f"{getattr(TASKS.get(row.task), 'title', row.task)} {difference_text(row)}"
-                        for _, row in rows.iterrows())
+        f"**The paper** trains every policy for 220,000 steps. **Here**, {getattr(TASKS.get(of), 'title', of)}, MOVE "
+        f"minus static changes from the shortest to the longest training by {change} points, from the recipe's length "
+        f"to the longest by {after}. **How sure:** {data.sample_size}")
 
 
 WORDS = Words(

@@ -21,7 +21,7 @@ from move.figures.page.parameters import Count, Multiple, Repeats, Seeds
 from move.figures.plots.axes import GREY
 from move.figures.plots.panels import empty_panel
 from move.figures.plots.style import COLOURS, PAGE_WIDTH, titles
-from move.figures.tables import difference_table
+from move.figures.tables import difference_table, readable
 from move.learn.evaluation import Evaluation
 from move.sim.tasks import TASKS
 from move.statistics.cells import successes, training_noise
@@ -279,27 +279,29 @@ def _leads(leads: pd.DataFrame, lines: Sequence[str], ax: Axes) -> None:
     ax.tick_params(labelleft=False)
 
 
+def printed(tables: dict[str, pd.DataFrame], data: Data) -> dict[str, pd.DataFrame]:
+    """Case by case the largest single step of static towards the paper."""
+    rows, steps = [], tables["steps"]
+    for case, group in steps[steps.method == "static"].groupby("case", sort=False):
+        known = group[~group.step.isin([INTERACTION, UNEXPLAINED])].dropna(subset="change")
+        if len(known):
+            row = known.loc[known.change.idxmin()]
+            rows.append({"case": case, "Largest single step of static": row.step,
+                         "Change (points)": f"{_points(row.change)} [{_points(row.low)}, {_points(row.high)}]"})
+    return {"largest": readable(pd.DataFrame(rows))}
+
+
 def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
     """What the settings explain of static's distance to the paper, case by case."""
-    return f"{sentence(tables[''], tables['steps'])} {data.sample_size}"
-
-
-def sentence(rates: pd.DataFrame, steps: pd.DataFrame) -> str:
-    """What the settings explain of static's distance to the paper, case by case, in points."""
     said = []
-    for case, group in rates[rates.method == "static"].groupby("case", sort=False):
+    for case, group in tables[""][tables[""].method == "static"].groupby("case", sort=False):
         level, theirs = group.set_index("setting").value, group.paper.iloc[0]
-        known = [row for row in steps[(steps.case == case) & (steps.method == "static")].itertuples()
-                 if row.step not in (INTERACTION, UNEXPLAINED) and not np.isnan(row.change)]
         if PACKAGE not in level:
             said.append(f"{case}: not computed yet")
             continue
-        largest = min(known, key=lambda row: row.change, default=None)
-        moved = (f"the largest single step is {largest.step} ({_points(largest.change)} points "
-                 f"[{_points(largest.low)}, {_points(largest.high)}])" if largest else "no setting is computed yet")
-        left = f"; with all of them {level[TOGETHER]:.0%}" if TOGETHER in level else ""
-        said.append(f"{case}: static {level[PACKAGE]:.0%} here, {theirs:.0%} in the paper; {moved}{left}")
-    return f"**Here:** {'. '.join(said)}."
+        left = f", with all settings {level[TOGETHER]:.0%}" if TOGETHER in level else ""
+        said.append(f"{case}: static {level[PACKAGE]:.0%} here{left}, {theirs:.0%} in the paper")
+    return f"**Here:** {'; '.join(said)}. **How sure:** {data.sample_size}"
 
 
 def _points(change: float) -> str:

@@ -106,8 +106,7 @@ def answer(tables: dict[str, pd.DataFrame], data: Data, *, episodes: int) -> str
     return (
         f"**The paper** shows no failures. **Here:** {len(table)} episodes, drawn and not picked; {same} of them ended "
         f"in the evaluation as they do here. {lacking}Over all {episodes} episodes the policies succeed in: {rates}. "
-        f"**How sure:** two episodes a method show how, not how often. {data.sample_size} The films are in "
-        f"{data.profile.figures.name}/.")
+        f"**How sure:** two episodes show how, not how often. {data.sample_size} Films: {data.profile.figures.name}/.")
 
 
 WORDS = Words(

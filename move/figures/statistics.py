@@ -53,18 +53,17 @@ def answer(tables: dict[str, pd.DataFrame], data: Data, *, draws: int) -> str:
     """Coverage of our intervals and of naive ones, and how much stored trainings differ."""
     noise = {seen: data.noise(seen) for seen in data.profile.training}
     stored = "; ".join(
-        f"{'pixels' if seen == 'rgb' else 'keypoints'} {100 * one.deviation:.1f} points, from {one.repeats} repeated "
-        "trainings" if one.degrees else f"{seen} nothing is known" for seen, one in noise.items())
+        f"{'pixels' if seen == 'rgb' else 'keypoints'} {100 * one.deviation:.1f} points ({one.repeats} repeated)"
+        if one.degrees else f"{seen} nothing is known" for seen, one in noise.items())
     over = data.seen.groupby(["interval", "seeds"]).covered.mean()  # cells of all deviations together
     ours, naive = over["ours"].agg(["min", "max"]), over["episodes alone"].agg(["min", "max"])
     least = data.seen[data.seen.interval == "ours"].covered.min()
     return (
         f"**The paper** gives rates without intervals. **Here:** nominal 95 % intervals held the truth in "
-        f"{100 * ours['min']:.0f} to {100 * ours['max']:.0f} % of the simulated studies of unequal cells "
-        f"({100 * least:.0f} % where a single seed is noisiest); those that count episodes alone in "
-        f"{100 * naive['min']:.0f} to {100 * naive['max']:.0f} %. How much stored trainings differ, with everything "
-        f"random: {stored}. **How sure:** {draws:,} studies of each kind tell a coverage to about "
-        f"{100 * 1.96 * (0.05 * 0.95 / draws) ** 0.5:.0f} point, if trainings differ as supposed.")
+        f"{100 * ours['min']:.0f} to {100 * ours['max']:.0f} % of simulated studies ({100 * least:.0f} % at worst); "
+        f"those of episodes alone in {100 * naive['min']:.0f} to {100 * naive['max']:.0f} %. Trainings differ by: "
+        f"{stored}. **How sure:** {draws:,} studies tell a coverage to about "
+        f"{100 * 1.96 * (0.05 * 0.95 / draws) ** 0.5:.0f} point.")
 
 
 WORDS = Words(

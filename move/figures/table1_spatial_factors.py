@@ -18,8 +18,8 @@ from move.figures.plots.style import PAGE_WIDTH, titles
 from move.figures.tables import (
     VARIANTS,
     as_columns,
+    difference_brief,
     difference_table,
-    difference_text,
     rate_table,
     run_costs,
     with_holm,
@@ -84,18 +84,14 @@ def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:
 def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
     """How static falls as more is random, in the paper and here, and MOVE minus static."""
     rates = tables[""]
-    fall = ", ".join(f"{NAMES[row.factors]} {row.value:.1%} (the paper {row.paper:.1%})"
+    fall = ", ".join(f"{NAMES[row.factors]} {row.value:.1%}"
                      for row in rates[rates.method == "static"].itertuples())
-    losses, leads = ("; ".join(f"{NAMES[row['factors']]}{colon} {difference_text(row)}"
-                               for _, row in tables[suffix].iterrows())
-                     for suffix, colon in (("lost", ""), ("differences", ":")))
+    leads = ", ".join(f"{NAMES[row.factors]} {difference_brief(row)}" for _, row in tables["differences"].iterrows())
     printed = paper.published("table1_spatial_factors").set_index("condition").value
     return (
         f"**The paper:** static falls from {printed['object']:.1%} to {printed['all']:.1%} as more is random. "
-        f"**Here:** static, factor by factor: {fall or 'nothing is computed yet'}; against the object alone: "
-        f"{losses or 'nothing to compare yet'}. MOVE minus static, which the paper does not give: "
-        f"{leads or 'nothing to compare yet'}. **How sure:** the words hold after Holm's adjustment for the rows of "
-        f"one comparison. {data.sample_size}")
+        f"**Here** static has {fall or 'nothing computed yet'}; MOVE minus static in points: "
+        f"{leads or 'nothing to compare yet'}. **How sure:** {data.sample_size}")
 
 
 WORDS = Words(

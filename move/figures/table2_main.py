@@ -12,17 +12,20 @@ from move.figures import plots
 from move.figures.page.captions import COSTS, DIFFERENCES, INTERVALS, RATES, Words
 from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Seeds
+from move.figures.page.printed import ABSENT
 from move.figures.plots.style import NAMES, PAGE_WIDTH, titles
 from move.figures.tables import (
     controls,
     difference_means,
     difference_table,
-    differences_text,
+    means_text,
+    points,
     rate_table,
+    readable,
     run_costs,
+    summary,
     task_layout,
     tasks_table,
-    tasks_text,
     with_level,
     with_paper,
 )
@@ -85,8 +88,14 @@ def _means(tables: dict[str, pd.DataFrame]) -> pd.DataFrame:
 
 
 def printed(tables: dict[str, pd.DataFrame], data: Data) -> dict[str, pd.DataFrame]:
-    """One row a task, for each method its rate and the paper's; floor, ceiling, mean."""
-    return {"": task_layout(tables[""], controls(data.episodes), _means(tables))}
+    """One row a task, for each method its rate and the paper's; and MOVE against each method in a row, from both."""
+    parts = {seen: [tables.get(_joined(*_where(part, ending)), pd.DataFrame()) for part in (
+        "differences", "differences_mean", "over_tasks")] for seen, ending in (("pixels", ""),
+                                                                               ("keypoints", "keypoints"))}
+    rows = [summary(*three).assign(From=seen) for seen, three in parts.items() if len(three[0])]
+    together = pd.concat(rows).fillna(ABSENT) if rows else readable(pd.DataFrame())
+    return {"": task_layout(tables[""], controls(data.episodes), _means(tables)),
+            "summary": together[sorted(together, key=lambda name: name != "From")]}
 
 
 def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:
@@ -108,19 +117,17 @@ def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:
 
 
 def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
-    """Means in the paper and here, where MOVE is above the others, the tasks as a sample, and how trainings differ."""
+    """Means in the paper and here, MOVE minus the others on the mean, and how trainings differ."""
     means, noise = _means(tables), {seen: data.noise(seen) for seen in ("rgb", "keypoints")}
     ours, theirs = (", ".join(f"{NAMES[method]} {value:.1%}" for method, value in
                               zip(means.method, means[column], strict=True)) for column in ("value", "paper"))
-    seen = [f"{tasks_text(tables[_joined('over_tasks', ending)])} "
-            + differences_text(tables[_joined("differences", ending)], tables[_joined("differences", ending, "mean")])
-            for ending in ("", "keypoints")]
+    pixels, keypoints = (tables[_joined("differences", ending, "mean")] for ending in ("", "keypoints"))
+    given = " and ".join(f"{points(row.difference)} [{points(row.low)}, {points(row.high)}]"
+                         for row in keypoints.itertuples()) or "not computed yet"
     return (
-        f"**The paper:** on the mean of ten tasks {theirs}, MOVE ahead on every task. **Here, from pixels:** on the "
-        f"mean of {tables[''].task.nunique()} {ours}. {seen[0]} **From keypoints:** {seen[1]} **How sure:** from "
-        f"training to training a rate varies by {100 * noise['rgb'].deviation:.0f} points (standard deviation, of "
-        f"{noise['rgb'].repeats} repeated trainings) from pixels and {100 * noise['keypoints'].deviation:.0f} from "
-        f"keypoints. {data.sample_size}")
+        f"**The paper:** ten tasks' mean {theirs}. **Here, from pixels:** {ours}; {means_text(pixels)}; from keypoints "
+        f"{given}. **How sure:** trainings differ by {100 * noise['rgb'].deviation:.0f} points (keypoints "
+        f"{100 * noise['keypoints'].deviation:.0f}). {data.sample_size}")
 
 
 WORDS = Words(

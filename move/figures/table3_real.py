@@ -73,9 +73,9 @@ def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
     base = sorted(set(table["rate"]))[1]
     return (
         f"**The paper:** {counts} successes. **Here** no robot was run; of {len(compared)} pairs of its cells thirty "
-        f"trials each tell {len(apart)} apart: {each or 'none'}. **How sure:** exact tests, none corrected for making "
-        f"{len(compared)} comparisons; from a base of {base:.0%} a rise of less than "
-        f"{100 * trials.minimum_detectable_effect(base):.0f} points mostly goes unseen.")
+        f"trials each tell {len(apart)} apart: {each or 'none'}. **How sure:** {len(compared)} exact tests, none "
+        f"corrected; from a base of {base:.0%} a rise under {100 * trials.minimum_detectable_effect(base):.0f} points "
+        "mostly goes unseen.")
 
 
 WORDS = Words(

@@ -13,6 +13,8 @@ from move.sim.tasks import TASKS
 from move.study.labels import LabelledRun
 from move.study.profiles import Profile
 
+TRAINS = False
+
 
 def runs(profile: Profile) -> list[LabelledRun]:
     """Those of table 6, whose demonstrations say how long one is."""

@@ -25,6 +25,7 @@ from move.study.kinds import collector_run
 from move.study.labels import LabelledRun, grid
 from move.study.profiles import Profile
 
+TRAINS = False
 VALUES = ("mean_steps", "generation_rate")
 
 
@@ -73,15 +74,15 @@ def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
     per = means[means.method == "static"].merge(means[means.method == "move"], on="expert",
                                                 suffixes=("_static", "_move"))
     each = "; ".join(
-        f"with {names[row.expert]} a MOVE demonstration takes {row.mean_steps_move / row.mean_steps_static - 1:+.0%} "
-        f"timesteps ({row.mean_steps_static:.1f} to {row.mean_steps_move:.1f}), and {row.generation_rate_move:.1%} of "
-        f"attempts succeed against {row.generation_rate_static:.1%}" for row in per.itertuples())
+        f"with {names[row.expert]} {row.mean_steps_move / row.mean_steps_static - 1:+.0%} timesteps "
+        f"({row.mean_steps_static:.1f} to {row.mean_steps_move:.1f}), {row.generation_rate_move:.1%} succeed against "
+        f"{row.generation_rate_static:.1%}" for row in per.itertuples())
     steps, kept = (paper.published("table6_collection", value, condition="simulation").set_index("method").value
                    for value in VALUES)
     return (
         f"**The paper:** {steps.move / steps.static - 1:+.0%} timesteps ({steps.static} to {steps.move}), "
-        f"{kept.move:.1%} of attempts succeed against {kept.static:.1%}. **Here:** {each or 'nothing to compare yet'}. "
-        f"**How sure:** means over {tables['by_task'].task.nunique()} tasks, whose spread the error bars show. "
+        f"{kept.move:.1%} of attempts succeed against {kept.static:.1%}. **Here**, MOVE against static: "
+        f"{each or 'nothing to compare yet'}. **How sure:** means over {tables['by_task'].task.nunique()} tasks. "
         f"{data.sample_size}")
 
 

@@ -14,7 +14,7 @@ from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Seeds
 from move.figures.plots.panels import SEEN
 from move.figures.plots.style import PAGE_WIDTH, titles
-from move.figures.tables import difference_text, rate_table, reading_differences
+from move.figures.tables import difference_brief, rate_table, reading_differences
 from move.paper import PAPER_TASKS
 from move.sim.motion.adc import JUMPS
 from move.study.axes import budgets
@@ -72,10 +72,10 @@ def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:
 
 def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
     """Each reading against the one as printed, over the tasks that have both."""
-    each = "; ".join(
-        f"from {'pixels' if row.observation == 'rgb' else row.observation} {row.jumping} minus as printed, mean of "
-        f"{row['items']} tasks, {difference_text(row)}" for _, row in tables["differences"].iterrows())
-    return f"**The paper** does not say when ADC's jumps are due. **Here:** {each}. **How sure:** {data.sample_size}"
+    each = "; ".join(f"from {'pixels' if row.observation == 'rgb' else row.observation} {row.jumping}, {row['items']} "
+                     f"tasks, {difference_brief(row)}" for _, row in tables["differences"].iterrows())
+    return ("**The paper** does not say when ADC jumps. **Here**, points against as printed: "
+            f"{each or 'nothing to compare yet'}. **How sure:** {data.sample_size}")
 
 
 WORDS = Words(

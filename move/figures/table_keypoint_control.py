@@ -15,14 +15,15 @@ from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Seeds
 from move.figures.plots.style import NAMES, PAGE_WIDTH, titles
 from move.figures.tables import (
+    above_text,
     controls,
     difference_means,
     difference_table,
-    differences_text,
+    means_text,
     rate_table,
+    summary,
     task_layout,
     tasks_table,
-    tasks_text,
 )
 from move.paper import PAPER_METHODS, PAPER_TASKS
 from move.study.axes import floors_and_ceilings
@@ -65,8 +66,9 @@ def _means(tables: dict[str, pd.DataFrame]) -> pd.DataFrame:
 
 
 def printed(tables: dict[str, pd.DataFrame], data: Data) -> dict[str, pd.DataFrame]:
-    """One row a task: each method's rate, floor, ceiling; the mean."""
-    return {"": task_layout(tables[""], controls(data.episodes), _means(tables))}
+    """One row a task: each method's rate, floor, ceiling; the mean; and MOVE against each method in a row."""
+    return {"": task_layout(tables[""], controls(data.episodes), _means(tables)),
+            "summary": summary(tables["differences"], tables["differences_mean"], tables["over_tasks"])}
 
 
 def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:
@@ -80,12 +82,12 @@ def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:
 
 
 def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
-    """Means over the tasks, the tasks as a sample, and where MOVE is above the others."""
+    """Means over the tasks, MOVE minus the others on the mean, and where it is above them."""
     means = ", ".join(f"{NAMES[row.method]} {row.value:.1%}" for row in _means(tables).itertuples())
     return (
         f"**The paper** has no results from keypoints. **Here, from keypoints:** means over "
-        f"{tables[''].task.nunique()} tasks {means}. {tasks_text(tables['over_tasks'])} "
-        f"{differences_text(tables['differences'], tables['differences_mean'])} **How sure:** {data.sample_size}")
+        f"{tables[''].task.nunique()} tasks {means}; {means_text(tables['differences_mean'])}. Single tasks: "
+        f"{above_text(tables['differences'])}. **How sure:** {data.sample_size}")
 
 
 WORDS = Words(

@@ -17,6 +17,8 @@ from move.learn.evaluation import Evaluation
 from move.learn.settings import Training
 from move.sim.collection import Collection
 from move.sim.methods import get_method
+from move.sim.motion.wrappers import SPEEDS, movable
+from move.sim.tasks import get_task
 from move.study.profiles import Profile
 from move.study.spec import CollectionRun, ControlRun, PolicyRun
 from move.validation import build
@@ -41,7 +43,8 @@ def policy_run(
     changes = _of(Training, settings)
     if length != 1:
         changes = {"gradient_steps": round(length * recipe.gradient_steps), **changes}
-    made = {"image_size": profile.image_size, **_chosen(profile, method, settings), **_of(Collection, settings)}
+    chosen = _chosen(profile, task, method, settings)
+    made = {"image_size": profile.image_size, **chosen, **_of(Collection, settings)}
     return build(
         PolicyRun, task=task, seed=seed,
         training=build(Training, **{**recipe.model_dump(), **changes}) if changes else recipe,
@@ -69,13 +72,16 @@ def collector_run(
         BadInput: an unknown setting, or a value that is not allowed.
     """
     _refuse_unknown(settings, Collection)
-    made = {**_chosen(profile, method, settings), **settings}
+    made = {**_chosen(profile, task, method, settings), **settings}
     return build(CollectionRun, task=task, seed=seed, evaluation=build(Evaluation, episodes=attempts),
                  collection=build(Collection, task=task, method=method, timesteps=1, **made))
 
 
-def _chosen(profile: Profile, method: str, settings: dict[str, Any]) -> dict[str, Any]:
-    """What is chosen for a method where the settings choose nothing; for a mixture what is for each of its methods."""
+def _chosen(profile: Profile, task: str, method: str, settings: dict[str, Any]) -> dict[str, Any]:
+    """What is chosen for a method where the settings choose nothing; for a mixture what is for each of its methods.
+
+    Without the speeds of what does not move in this run.
+    """
     chosen = {str(name): settings for name, settings in profile.collection.items()}
     own = chosen.get(method, {})
     shares = {**own, **settings}.get("shares", {})
@@ -83,7 +89,9 @@ def _chosen(profile: Profile, method: str, settings: dict[str, Any]) -> dict[str
     found: dict[str, Any] = {}
     for name in (*methods, method):
         found |= {**get_method(name).usual, **chosen.get(name, {})}
-    return found
+    moves = settings.get("moving") or movable(get_task(task), settings.get("factors", "all"))
+    still = {field for part, field in SPEEDS.items() if part not in moves}
+    return {field: value for field, value in found.items() if field not in still}
 
 
 def _of(model: type[BaseModel], settings: dict[str, Any]) -> dict[str, Any]:

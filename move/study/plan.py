@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from statistics import median
 from typing import Any
@@ -34,21 +35,39 @@ def plan_rows(profile: Profile, figures: dict[str, list[RunSpec]]) -> list[dict[
     for figure, specs in figures.items():
         there, missing = split(specs, profile.results)
         todo = {spec.hash: spec for spec, _ in missing if spec.hash not in runs}
-        hours = 0.0
-        for spec in todo.values():
-            trained = spec.training is not None and spec.policy_hash in policies
-            hours += (TRIAL_MINUTES if trained else _minutes(spec, there, minutes, profile.image_size)) / 60
-            policies.add(spec.policy_hash)
+        spent = _minutes_of(list(todo.values()), there, minutes, profile.image_size, policies)
         runs |= set(todo)
         rows.append({
             "figure": figure,
             "runs": len(specs),
             "stored": len(there),
             "missing": len(missing),
-            "hours_left": round(hours, 2),
+            "hours_left": round(spent / 60, 2),
             "why": _why([why for _, why in missing]),
         })
     return rows
+
+
+def minutes_left(profile: Profile, there: list[Result], missing: list[RunSpec]) -> float:
+    """Core-minutes that missing runs of one figure would take; infinite in a profile without an estimate.
+
+    Args:
+        there: its stored runs.
+    """
+    if not profile.minutes and missing:
+        return math.inf  # `plan_rows` would measure a step, which takes long itself
+    return _minutes_of(missing, there, dict(profile.minutes), profile.image_size, set())
+
+
+def _minutes_of(todo: list[RunSpec], there: list[Result], minutes: dict[Any, float], image_size: int,
+                policies: set[str]) -> float:
+    """Core-minutes of some runs; the policies that they train are added to `policies`, and trained once."""
+    spent = 0.0
+    for spec in todo:
+        trained = spec.training is not None and spec.policy_hash in policies
+        spent += TRIAL_MINUTES if trained else _minutes(spec, there, minutes, image_size)
+        policies.add(spec.policy_hash)
+    return spent
 
 
 def _why(reasons: list[str]) -> str:

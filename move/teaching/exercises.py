@@ -6,7 +6,9 @@ answer that is not there yet.
 
 from __future__ import annotations
 
+import inspect
 import math
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -26,6 +28,7 @@ from move.sim.scene.scene import Scene
 from move.statistics.intervals import wilson_interval
 
 Check = Callable[[Any], str]
+MOST_TRIALS = 2000  # of which a power is computed, in a second
 EXERCISES: dict[str, Check] = {}
 """By number, such as "1.2": takes an answer and returns "" where it is right, else what to look at."""
 
@@ -49,10 +52,34 @@ def check(number: str, answer: Any) -> Verdict:
     if answer is ...:
         return Verdict(False, f"Exercise {number} has no answer yet: put it where the dots are.")
     try:
-        problem = EXERCISES[number](answer)
+        problem = _of_another_kind(EXERCISES[number], answer) or EXERCISES[number](answer)
     except Exception as error:
         problem = f"your answer stopped with {type(error).__name__}: {error}"
     return Verdict(not problem, f"Exercise {number}: {problem or 'right.'}")
+
+
+KINDS: dict[str, tuple[str, Callable[[Any], bool]]] = {
+    "float": ("a number", lambda answer: isinstance(answer, (int, float, np.number)) and not isinstance(answer, bool)),
+    "str": ("a text in quotes", lambda answer: isinstance(answer, str)),
+    "Callable": ("a function", callable),
+    "type": ("a class", lambda answer: isinstance(answer, type)),
+    "Collection": ("a Collection(...)", lambda answer: isinstance(answer, Collection)),
+}
+"""By the annotation of a check's answer: what is wanted in words, and whether an answer is that."""
+LARGEST = 10**6  # of an answer that is a number; all right ones are far below
+
+
+def _of_another_kind(judge: Check, answer: Any) -> str:
+    """What is wrong with an answer that is no number, function or what else is wanted; "" where it is."""
+    annotation = inspect.signature(judge).parameters["answer"].annotation
+    wanted, is_that = KINDS[re.match(r"\w+", annotation.replace("int", "float"))[0]]  # type: ignore[index]
+    if answer is None:
+        return f"the answer is None, which is nothing yet; wanted is {wanted}. Does a `return` or a name miss?"
+    if not is_that(answer):
+        return f"the answer is of type {type(answer).__name__}; wanted is {wanted}"
+    if wanted == "a number" and not abs(answer) <= LARGEST:
+        return f"{answer:.3g} cannot be meant: all numbers asked for here are far below a million"
+    return ""
 
 
 def exercise(number: str) -> Callable[[Check], Check]:
@@ -94,7 +121,7 @@ def bounce(answer: Callable[..., float]) -> str:
 @exercise("1.3")
 def still_under_adc(answer: str) -> str:
     """What stands still throughout a demonstration of ADC: the camera."""
-    if answer == "camera":
+    if answer.strip().lower() == "camera":
         return ""
     return f"{answer!r} is not it; allowed are 'object', 'target' and 'camera': which one does not jump in the film?"
 
@@ -188,6 +215,8 @@ def passes(answer: int) -> str:
 @exercise("4.1")
 def trials_for_five_points(answer: int) -> str:
     """Trials after which a rate of one half is known to five points on either side: about 381."""
+    if answer < 1:
+        return f"{answer:g} trials tell nothing: how many does it take?"
     half = np.ptp(wilson_interval(0.5, answer)) / 2
     if half > 0.0505:
         return f"after {answer} trials the interval still reaches {100 * half:.1f} points to either side"
@@ -215,6 +244,10 @@ def paired(answer: Callable[..., tuple[float, float]]) -> str:
 @exercise("4.3")
 def trials_for_a_robot(answer: int) -> str:
     """Trials of each method that find 23.3 % against 36.7 % four times in five, by Fisher's exact test."""
+    if not 2 <= answer <= MOST_TRIALS:
+        amount = "too few to compare" if answer < 2 else "far more than needed"
+        return (f"{answer:g} trials of each method are {amount}: "
+                "what does the table above say at 60 and at 120?")
     there, fewer = (power(7 / 30, 11 / 30, trials=trials) for trials in (int(answer), int(0.93 * answer)))
     if there < 0.8:
         return f"{answer} trials of each method find the difference in {there:.0%} of such studies only"
@@ -227,8 +260,8 @@ def trials_for_a_robot(answer: int) -> str:
 @exercise("5.1")
 def what_is_taught(answer: str) -> str:
     """What is left to MOVE when perception is given: nothing, so it teaches to see."""
-    if answer in ("seeing", "acting"):
-        return "" if answer == "seeing" else (
+    if (chosen := answer.strip().lower()) in ("seeing", "acting"):
+        return "" if chosen == "seeing" else (
             "a policy that is given the object's place needs no MOVE here: compare the two rows")
     return f"{answer!r} given; allowed are 'seeing' and 'acting'"
 

@@ -182,10 +182,11 @@ def sample_size(results: list[Result], missing: int) -> str:
     """The sample of an answer, in a sentence: seeds, episodes, and what is missing."""
     trained = [result for result in results if result.spec.training]
     seeds = Counter(result.spec.model_copy(update={"seed": 0}).hash for result in trained).values()
-    stands = (f"It rests on {_span(seeds, 'seed')} a method and condition, "
-              f"{_span([len(result.rows) for result in trained], 'evaluation episode')} a seed" if trained else
-              f"It rests on {_span([len(result.rows) for result in results], 'episode')} a cell")
-    return f"{stands}; {f'{missing} of {missing + len(results)} runs are missing' if missing else 'no run is missing'}."
+    episodes = [len(result.rows) for result in trained or results]
+    sample = [_span(counts, what).replace(" to ", "-") for counts, what in ((seeds, "seed"), (episodes, "episode"))
+              if counts]
+    lacking = f"{missing} of {missing + len(results)} runs are missing" if missing else "no run is missing"
+    return f"{', '.join(sample)} each; {lacking}."
 
 
 def _observation(result: Result) -> str:

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from move import paths
-from move.figures.page.parameters import parameters
+from move.figures.page.parameters import parameters, with_extras
 from move.study.profiles import Profile
 
 BY_COMMAND = "MOVE_FIGURE_COMMAND"  # in the environment of the kernels that `move figure` starts
@@ -67,6 +67,7 @@ def change(name: str, profile: Profile, given: Mapping[str, Any]) -> Change:
         given: its parameters, some or all.
     """
     own = {key: plain(value) for key, value in parameters(name, profile).items()}
+    given = with_extras(name, own, {key: plain(value) for key, value in given.items()})
     return Change(name, profile, {key: (plain(value), own[key]) for key, value in given.items()
                                   if key in own and plain(value) != own[key]})
 

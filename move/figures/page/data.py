@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -17,6 +18,7 @@ from move.figures.tables import rates
 from move.statistics.estimates import TrainingNoise
 from move.study.execute import execute
 from move.study.labels import LabelledRun
+from move.study.plan import minutes_left
 from move.study.profiles import Profile
 from move.study.results import NOT_COMPUTED, Result, missing_in_words, split, table
 from move.study.spec import RunSpec
@@ -28,6 +30,7 @@ class Data:
 
     Args:
         folder: where the figure is written, and whatever else it makes, such as films.
+        postponed: how long computing what is missing would take and how to start it; empty where nothing waits for it.
         seen: what the function `seen` of the figure's file gave.
     """
 
@@ -36,6 +39,7 @@ class Data:
     runs: list[LabelledRun] = field(default_factory=list)
     results: list[Result] = field(default_factory=list)
     missing: list[tuple[RunSpec, str]] = field(default_factory=list)
+    postponed: str = ""
     seen: Any = None
     _noises: dict[tuple[str, bool], TrainingNoise] = field(default_factory=dict, init=False)
 
@@ -83,29 +87,54 @@ class Data:
         return "; ".join(parts)
 
 
-def load_or_run(runs: list[LabelledRun], profile: Profile, folder: Path) -> Data:
+def load_or_run(runs: list[LabelledRun], profile: Profile, folder: Path, most_minutes: float = math.inf) -> Data:
     """Compute what is missing of `runs`, unless MOVE_STORED_ONLY is set, and return all there is, with its labels.
 
     What is computed is stored under build/; the shipped results are only read.
+
+    Args:
+        most_minutes: that computing may take here; longer ones are left missing, and `Data.postponed` says so.
 
     Raises:
         BadInput: there is nothing at all to draw; the message says why.
     """
     if not runs:
         raise BadInput(f"profile {profile.name}: has no runs of this figure; allowed is another profile")
-    there, missing = _found(list(dict.fromkeys(run.spec for run in runs)), profile)
+    there, missing, postponed = _found(list(dict.fromkeys(run.spec for run in runs)), profile, most_minutes)
     if not there:
-        raise BadInput(f"none of the {len(runs)} runs of this figure is stored; the first one: {missing[0][1]}")
+        why = postponed or f"the first one: {missing[0][1]}"
+        raise BadInput(f"none of the {len(runs)} runs of this figure is stored; {why}")
     stored = {result.spec.hash: result for result in there}
     results = [replace(stored[run.spec.hash], labels=run.labels) for run in runs if run.spec.hash in stored]
-    return Data(profile, folder, runs, results, missing)
+    return Data(profile, folder, runs, results, missing, postponed)
 
 
-def _found(specs: list[RunSpec], profile: Profile) -> tuple[list[Result], list[tuple[RunSpec, str]]]:
-    """What is there of `specs`, shipped or a reader's own, computed where allowed; and what is missing, with why."""
+def _found(
+    specs: list[RunSpec], profile: Profile, most_minutes: float
+) -> tuple[list[Result], list[tuple[RunSpec, str]], str]:
+    """What is there of `specs`, shipped or a reader's own, computed where allowed; what is missing, why; how to go on.
+    """
     shipped, lacking = split(specs, profile.results)
     unusable = {spec.hash: why for spec, why in lacking if why != NOT_COMPUTED}
-    stored_only = os.environ.get("MOVE_STORED_ONLY") == "1"
-    own, missing = (split if stored_only else execute)([spec for spec, _ in lacking], profile.own_results)
+    own, missing = split([spec for spec, _ in lacking], profile.own_results)
+    postponed = ""
+    if missing and os.environ.get("MOVE_STORED_ONLY") != "1":
+        left = minutes_left(profile, shipped + own, [spec for spec, _ in missing]) / (os.cpu_count() or 1)
+        if left <= most_minutes:
+            own, missing = execute([spec for spec, _ in lacking], profile.own_results)
+        else:
+            postponed = (f"computing {len(missing)} of {len(specs)} runs would take {_duration(left)} here: to do it, "
+                         "set compute = True and run the cells again")
     return shipped + own, [(spec, unusable.get(spec.hash, why) if why == NOT_COMPUTED else why)
-                           for spec, why in missing]
+                           for spec, why in missing], postponed
+
+
+def _duration(minutes: float) -> str:
+    """About how long, in words.
+
+    >>> _duration(7.4), _duration(200), _duration(math.inf)
+    ('about 7 minutes', 'about 3.3 hours', 'hours (`move plan` says how many)')
+    """
+    if math.isinf(minutes):
+        return "hours (`move plan` says how many)"
+    return f"about {minutes:.0f} minutes" if minutes < 100 else f"about {minutes / 60:.1f} hours"

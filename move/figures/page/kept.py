@@ -18,12 +18,13 @@ import pandas as pd
 from move.figures import load
 from move.figures.page.changes import plain
 from move.figures.page.data import Data
+from move.figures.page.parameters import SHARED
 from move.files import written_aside
 from move.machine import gl_problem
 from move.study.provenance import deciding
 from move.study.spec import RESULTS_VERSION
 
-WRITTEN = (".pdf", ".png", ".md", ".csv", ".tex", ".mp4")
+WRITTEN = (".png", ".pdf", ".mp4", ".md", ".csv", ".tex")  # in the order in which they are listed
 
 
 def keep(name: str, data: Data, chosen: Mapping[str, Any], answers: Mapping[str, str]) -> None:
@@ -58,16 +59,19 @@ def tables(name: str, folder: Path) -> dict[str, pd.DataFrame]:
 
 
 def files_of(name: str, folder: Path) -> list[Path]:
-    """The files of a figure in a folder that may hold others': pictures, tables, captions, films."""
+    """The files of a figure in a folder that may hold others': pictures first, then films, captions, tables, others."""
     own = (name, *load(name).WORDS.others)
-    return sorted(path for path in folder.glob("*") if any(
-        path.name.startswith(one) and not path.name[len(one):len(one) + 1].isalnum() for one in own))
+    found = [path for path in folder.glob("*") if any(
+        path.name.startswith(one) and not path.name[len(one):len(one) + 1].isalnum() for one in own)]
+    return sorted(found, key=lambda path: ([*WRITTEN, path.suffix].index(path.suffix), path.name))
 
 
 def _made_of(data: Data, chosen: Mapping[str, Any]) -> str:
     versions = {name: version for name, version in deciding().items() if name != "source"}
     policies = sorted(path.name for path in (data.profile.results / "policies").glob("*"))
-    parts = [plain(dict(chosen)), sorted(result.spec.hash for result in data.results), policies if data.runs else [],
+    usual = {key: default for key, (_, default) in SHARED.items()}
+    own = {key: value for key, value in chosen.items() if key not in usual or value != usual[key]}
+    parts = [plain(own), sorted(result.spec.hash for result in data.results), policies if data.runs else [],
              versions, RESULTS_VERSION, data.profile.stamp]
     return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()
 

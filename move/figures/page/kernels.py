@@ -8,11 +8,10 @@ import os
 import re
 import signal
 import sys
-import time
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from typing import Any
@@ -44,7 +43,6 @@ class Done:
     """A notebook that has ended: its executed copy, or why there is none."""
 
     name: str
-    began: float
     executed: Path | None = None
     problem: Exception | None = None
 
@@ -57,7 +55,6 @@ class _Worker:
     process: Any
     answer: Connection
     missing: list[str]
-    began: float = field(default_factory=time.time)
 
 
 def of_profile(profile: Profile, stored_only: bool = False) -> list[str]:
@@ -82,13 +79,12 @@ def run_notebooks(
     """
     if not forked.POSSIBLE or (stored_only and len(asked) == 1):
         for number, name in enumerate(asked):
-            began = time.time()
             if on_progress:
                 on_progress([name], number, 0, 0)
             try:
-                yield Done(name, began, run_notebook(name, profile, changes, stored_only))
+                yield Done(name, run_notebook(name, profile, changes, stored_only))
             except (NotebookFailed, BadInput) as problem:
-                yield Done(name, began, problem=problem)
+                yield Done(name, problem=problem)
         return
     _import_all(asked)
     working: list[_Worker] = []
@@ -157,8 +153,8 @@ def _ended(worker: _Worker) -> Done:
         kind, text = "NotebookFailed", f"{worker.name}.ipynb failed: its process was killed"
     worker.process.join()
     if kind == "executed":
-        return Done(worker.name, worker.began, Path(text))
-    return Done(worker.name, worker.began, problem=(BadInput if kind == "BadInput" else NotebookFailed)(text))
+        return Done(worker.name, Path(text))
+    return Done(worker.name, problem=(BadInput if kind == "BadInput" else NotebookFailed)(text))
 
 
 def run_notebook(

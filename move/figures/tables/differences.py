@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 import pandas as pd
 
+from move.figures.page.printed import ABSENT, readable
 from move.figures.plots.style import NAMES
 from move.statistics.cells import successes, training_noise
 from move.statistics.estimates import (
@@ -23,6 +24,8 @@ from move.statistics.verdicts import Finding, verdict
 Pair = tuple[np.ndarray, np.ndarray]
 COLUMNS = ("difference", "low", "high", "p", "holm", "trainings")
 VARIANTS = ("baseline", *COLUMNS)
+OVER_TASKS = ["baseline", "tasks", "mean_difference", "low", "high", "iqm_first", "iqm_second", "iqm_low", "iqm_high",
+              "improvement", "improvement_low", "improvement_high", "p_value"]
 LEVEL = 0.05  # of a word such as "above": of all the words of one table together
 
 
@@ -153,19 +156,30 @@ def rates_text(rates: pd.DataFrame, column: str = "value") -> str:
                      ) or "nothing is computed yet"
 
 
-def verdicts_text(table: pd.DataFrame, rates: pd.DataFrame, by: str = "") -> str:
-    """A `difference_table` with the paper's in column `paper`, in words: each difference and its verdict.
+def difference_brief(row: pd.Series) -> str:
+    """A row in a few words: "+13 [+10, +16], above 0"; no word where it is not distinguishable from 0 after Holm's."""
+    word = ("", ", below 0", ", above 0")[int(row.holm < LEVEL) * (1 + int(row.difference > 0))]
+    return f"{points(row.difference)} [{points(row.low)}, {points(row.high)}]{word}"
+
+
+def with_verdicts(table: pd.DataFrame, rates: pd.DataFrame, by: list[str]) -> pd.DataFrame:
+    """A `difference_table` with the paper's in column `paper`, and the verdict of each row in column `verdict`.
 
     Args:
-        rates: the rates that are compared, whose baselines leave MOVE so much room: method, value, and the column `by`.
-        by: the column that names a row, where there are several for one other method.
+        rates: the compared rates, whose baselines leave MOVE so much room: method, value, and the columns `by`.
+        by: the columns that name a row for one other method.
     """
-    keys = [by, "method"] if by else ["method"]
-    baseline = rates.set_index(keys).value
+    baseline = rates.set_index([*by, "method"]).value
+    return table.assign(verdict=[
+        difference_verdict(row, baseline[(*(row[key] for key in by), row.baseline)])
+        if pd.notna(row.paper) else "no value of the paper" for _, row in table.iterrows()])
+
+
+def verdicts_text(table: pd.DataFrame, by: str) -> str:
+    """A table `with_verdicts` in words: of each row its name in column `by`, the difference in points, the verdict."""
     return "; ".join(
-        f"{row[by] + ' ' if by else ''}MOVE minus {NAMES[row.baseline]} {difference_text(row)}: "
-        + difference_verdict(row, baseline[(row[by], row.baseline) if by else row.baseline])
-        for _, row in table.iterrows()) or "there is nothing to compare yet"
+        f"{row[by]} {points(row.difference)} [{points(row.low)}, {points(row.high)}]: {row.verdict}"
+        for _, row in table.iterrows()) or "nothing to compare yet"
 
 
 def difference_verdict(row: pd.Series, baseline: float, paper_half_width: float = 0.0) -> str:
@@ -193,29 +207,49 @@ def counts_text(table: pd.DataFrame) -> str:
             "distinguishable from it")
 
 
-def differences_text(table: pd.DataFrame, means: pd.DataFrame) -> str:
-    """A `difference_table` and its `difference_means` in words: where MOVE is above each other method, and the mean."""
-    sentences = []
-    for other, each in table.groupby("baseline", sort=False):
-        clear, mean = each[each.holm < LEVEL], means[means.baseline == other]
-        above = (clear.difference > 0).sum()
-        sentences.append(
-            f"After Holm's adjustment MOVE is above {NAMES[other]} on {above} of {len(each)}, below it on "
-            f"{len(clear) - above}, and not distinguishable on {len(each) - len(clear)}"
-            + (f"; on the mean {difference_text(mean.iloc[0])}" if len(mean) else "") + "."
-        )
-    return " ".join(sentences) or "nothing is stored yet."
+def means_text(means: pd.DataFrame) -> str:
+    """A table of `difference_means` in words: "MOVE minus static +13 points [+10, +16], minus ADC +8 [+4, +11]"."""
+    each = [f"minus {NAMES[row.baseline]} {points(row.difference)}{' points' * (place == 0)} "
+            f"[{points(row.low)}, {points(row.high)}]" for place, row in enumerate(means.itertuples())]
+    return f"MOVE {', '.join(each)}" if each else "nothing to compare yet"
 
 
-def tasks_text(table: pd.DataFrame) -> str:
-    """A `tasks_table` in words: mean, interquartile mean, probability of improvement, and the test over tasks."""
-    return " ".join(
-        f"Over {row.tasks} tasks, taken as a sample of tasks, MOVE minus {NAMES[row.baseline]} is "
-        f"{points(row.mean_difference)} points [{points(row.low)}, {points(row.high)}], of the interquartile "
-        f"means {points(row.iqm_first - row.iqm_second)} [{points(row.iqm_low)}, {points(row.iqm_high)}]; "
-        f"MOVE is better on a task drawn at random with probability {row.improvement:.2f} [{row.improvement_low:.2f}, "
-        f"{row.improvement_high:.2f}]; flipping the tasks' signs gives p = {row.p_value:.3f}."
-        for row in table.itertuples()) or "Fewer than three tasks are stored."
+def above_text(table: pd.DataFrame) -> str:
+    """On how many rows of a `difference_table` MOVE is above each other method after Holm's adjustment, in words."""
+    return ", ".join(f"above {NAMES[other]} on {((rows.holm < LEVEL) & (rows.difference > 0)).sum()} of {len(rows)}"
+                     for other, rows in table.groupby("baseline", sort=False)) or "compared with nothing yet"
+
+
+def largest(table: pd.DataFrame) -> pd.Series | None:
+    """The row of the difference that is farthest from 0; None of an empty table."""
+    return None if table.empty else table.loc[table.difference.abs().idxmax()]
+
+
+def summary(table: pd.DataFrame, means: pd.DataFrame, tasks: pd.DataFrame | None = None) -> pd.DataFrame:
+    """MOVE against each other method, one row a method, as text for people.
+
+    On how many rows it is above, below and not distinguishable after Holm's adjustment, and the mean difference; with
+    the tasks as a sample also what other tasks might give.
+
+    Args:
+        table: a `difference_table`.
+        means: its `difference_means`.
+        tasks: its `tasks_table`.
+    """
+    counts = []
+    for other, rows in table.groupby("baseline", sort=False):
+        clear = rows[rows.holm < LEVEL]
+        above = int((clear.difference > 0).sum())
+        counts.append({"baseline": other, "above": above, "below": len(clear) - above,
+                       "neither": len(rows) - len(clear)})
+    text = readable(pd.DataFrame(counts))
+    heads = {"Difference (points)": "Mean difference (points)", "Mean (points)": "Over other tasks (points)",
+             "p": "p, over tasks"}
+    chosen = [(means, ["baseline", "difference", "low", "high"]), (tasks, OVER_TASKS)]
+    for more, columns in chosen:
+        if more is not None and len(more) and counts:
+            text = text.merge(readable(more[columns]).rename(columns=heads), on="Against", how="left")
+    return text.fillna(ABSENT)
 
 
 def as_columns(found: Estimate) -> dict[str, float | str]:
