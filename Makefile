@@ -78,7 +78,7 @@ verify: $(READY)  ## check every shipped result, recompute a fresh sample of the
 lab: $(READY)  ## open JupyterLab on its start page: what to read in which order
 	$(BIN)/jupyter lab --ServerApp.root_dir=. --LabApp.app_settings_dir=docs/lab --LabApp.default_url=/lab/tree/notebooks/start.md
 
-site: $(READY)  ## one page of all results and a page a figure, from what is stored, into build/site
+site: $(READY)  ## web pages of all results, a page a figure and an atlas of episodes, from what is stored
 	$(BIN)/python tools/make_site.py
 
 bench: $(READY)  ## the speed figures, each against a reference measured in the same run

@@ -57,7 +57,7 @@ def page(profile: Profile, static: Path) -> str:
     counts = {method: sum(place["films"][method]["succeeds"] for place in made["places"].values())
               for method in METHODS}
     runs = "; ".join(f"{NAMES[method]}: `move verify {spec.hash}`" for method, spec in filmed.items())
-    said = " and ".join(f"{NAMES[method]} from {count} of {len(PLACES)}" for method, count in counts.items())
+    said = ", ".join(f"{NAMES[method]} succeeds from {count}" for method, count in counts.items())
     found = shares(profile)
     blocks = "".join(_map(method, found[method], made) for method in METHODS)
     screens = "".join(
@@ -74,14 +74,14 @@ def page(profile: Profile, static: Path) -> str:
         "<noscript><p>The films need JavaScript; their frames lie in _static/atlas/.</p></noscript></div>\n"
         f'<script type="application/json" id="atlas-data">{json.dumps(made)}</script>\n'
         '<script src="_static/atlas.js"></script>\n```\n\n'
-        "**What the colours are.** Those of [figure 1](figures/fig1_sparse.ipynb): how many of its seeds' policies "
-        "succeed with the object there, from none (dark blue) to all (yellow). Its demonstrations grasp at nine "
-        "points, the rings. A place stands for the nine cells around it.\n\n"
+        "**What the colours are.** Those of [figure 1](figures/fig1_sparse.ipynb), seen from above: how many of its "
+        "seeds' policies succeed with the object there, from none (dark blue) to all (yellow). x runs from left to "
+        "right, y from below, where the robot is, upwards. Its demonstrations grasp at nine points, the rings.\n\n"
         "**What the films are.** Not figure 1's policies, which are not shipped, but those of "
         "[table 2](figures/table2_main.ipynb) on Pick-Place, seed 0, from pixels: trained on 20,000 timesteps with "
-        f"object, target, hand and camera anywhere. From these places succeed {said}. Object and hand are where figure "
-        "1's evaluation has them, camera and target where this package has them, because these policies have never "
-        "seen the camera of figure 1. A tick or a cross says how the film of that place ends. A film shows every "
+        f"object, target, hand and camera anywhere. Of these {len(PLACES)} places {said}. Object and hand are where "
+        "figure 1's evaluation has them, camera and target where this package has them, because these policies have "
+        "never seen the camera of figure 1; so a film may end otherwise than the colours say. A tick or a cross says how the film of that place ends. A film shows every "
         f"{STRIDE}rd timestep at half the speed of the robot; it is over after ten successful steps, or after 200. "
         f"What the policies did was recorded once and is played again here. The runs: {runs}.\n")
 
@@ -98,28 +98,23 @@ def films(profile: Profile) -> dict[str, Any]:
     recorded = {method: policies.recorded_episodes(runs[method], profile, policies.ATLAS) for method in METHODS}
     if lacking := [method for method in METHODS if set(recorded[method]) != set(PLACES)]:
         raise BadInput(f"atlas: no episodes of {', '.join(lacking)} are recorded; tools/record_atlas.py records them")
-    digest = hashlib.sha256(json.dumps([SIZE, STRIDE, COLUMNS, QUALITY, deciding()]).encode())
-    for episodes in recorded.values():
-        for number in PLACES:
-            digest.update(episodes[number].tobytes())
-    about = MADE / "atlas.json"
-    if about.exists() and (before := json.loads(about.read_text()))["made_of"] == digest.hexdigest():
-        return before
-    shutil.rmtree(MADE, ignore_errors=True)
-    MADE.mkdir(parents=True)
     listed = starts(TASK, EVALUATION)
-    made = {"made_of": digest.hexdigest(), "size": SIZE, "stride": STRIDE, "columns": COLUMNS,
-            "side": SIDE // EVERY, "names": {method: NAMES[method] for method in METHODS}, "places": {
-                number: {"x": round(100 * listed[number].configuration.object_position[0]),
-                         "y": round(100 * listed[number].configuration.object_position[1]),
-                         "films": {method: _film(method, number, recorded[method][number], listed[number])
-                                   for method in METHODS}} for number in PLACES}}
-    about.write_text(json.dumps(made))
-    return json.loads(about.read_text())
+    places = {}
+    for number in PLACES:
+        x, y, _ = listed[number].configuration.object_position
+        places[str(number)] = {"x": round(100 * x), "y": round(100 * y), "films": {
+            method: film(method, number, recorded[method][number], listed[number]) for method in METHODS}}
+    return {"size": SIZE, "stride": STRIDE, "columns": COLUMNS, "side": SIDE // EVERY,
+            "names": {method: NAMES[method] for method in METHODS}, "places": places}
 
 
-def _film(method: str, number: int, actions: np.ndarray, start: Start) -> dict[str, Any]:
-    """Play one recorded episode and write the sheet of its frames."""
+def film(method: str, number: int, actions: np.ndarray, start: Start) -> dict[str, Any]:
+    """Play one recorded episode, unless its film is there, and write the sheet of its frames; what the page needs."""
+    settings = json.dumps([SIZE, STRIDE, COLUMNS, QUALITY, start.configuration.columns(), deciding()])
+    digest = hashlib.sha256(settings.encode() + actions.tobytes()).hexdigest()
+    sheet, about = MADE / f"{method}_{number}.webp", MADE / f"{method}_{number}.json"
+    if about.exists() and sheet.exists() and (known := json.loads(about.read_text()))["made_of"] == digest:
+        return known["film"]
     frames: list[np.ndarray] = []
 
     def look(_: int, scene: Scene) -> None:
@@ -127,14 +122,15 @@ def _film(method: str, number: int, actions: np.ndarray, start: Start) -> dict[s
             frames.append(scene.render_image(SIZE))
 
     (rollout,) = roll_out(Recorded(actions), TASK, [start.configuration], KEYPOINTS, callback=look)
-    rows = -(-len(frames) // COLUMNS)
-    sheet = np.zeros((rows * SIZE, COLUMNS * SIZE, 3), np.uint8)
+    whole = np.zeros((-(-len(frames) // COLUMNS) * SIZE, COLUMNS * SIZE, 3), np.uint8)
     for place, frame in enumerate(frames):
         top, left = SIZE * (place // COLUMNS), SIZE * (place % COLUMNS)
-        sheet[top:top + SIZE, left:left + SIZE] = frame
-    Image.fromarray(sheet).save(MADE / f"{method}_{number}.webp", quality=QUALITY)
-    return {"file": f"{method}_{number}.webp", "frames": len(frames), "steps": rollout.scene.steps,
-            "succeeds": rollout.successes > 0}
+        whole[top:top + SIZE, left:left + SIZE] = frame
+    MADE.mkdir(parents=True, exist_ok=True)
+    Image.fromarray(whole).save(sheet, quality=QUALITY)
+    made = {"file": sheet.name, "frames": len(frames), "steps": rollout.scene.steps, "succeeds": rollout.successes > 0}
+    about.write_text(json.dumps({"made_of": digest, "film": made}))
+    return made
 
 
 def shares(profile: Profile) -> dict[str, pd.Series]:

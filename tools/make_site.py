@@ -50,6 +50,7 @@ SHIPPED, TUTORIAL = PROFILE.figures, paths.NOTEBOOKS / "tutorial"
 ORDER = ("claims", "fig", "table", "generalization", "keypoint")  # beginnings of names; the others follow
 TRIES = 2  # a cell's reply can be lost on the way; then its kernel is ended and the notebook executed again
 STALLED, AT_WORK = 180.0, 0.5  # seconds of waiting within which a kernel that computes uses at least so many of a core
+LOOK = 5.0  # seconds between two looks at that
 GALLERY = ("fig1_sparse", "fig2_overview", "fig5_circle", "table2_main", "claims", "fig4_scaling")
 DOCUMENTS = ("KNOWN_DEVIATIONS.md", "SECURITY.md", *sorted(
     str(path.relative_to(paths.ROOT)) for folder in (DOCS, DOCS / "how-to") for path in folder.glob("*.md")),
@@ -189,7 +190,7 @@ def end_stalled_kernels(done: threading.Event) -> None:
     What is bounded is how long nothing happens, not how long a cell computes.
     """
     busy: dict[int, tuple[float, float]] = {}  # process -> when it was last seen at work, its seconds of a core then
-    while not done.wait(5):
+    while not done.wait(LOOK):
         for child in psutil.Process().children():
             try:
                 used = sum(sum(one.cpu_times()[:2]) for one in (child, *child.children(recursive=True)))
@@ -401,8 +402,7 @@ def provenance(name: str) -> str:
     listed = f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
     return (f"## Where the numbers come from\n\n{len(there)} runs; each is a file with its settings and every "
             f"episode.{lacking} `move verify HASH` in a checkout recomputes one and compares it row by row.\n\n"
-            f"<details><summary>the runs</summary><div class=\"wide\" tabindex=\"0\" role=\"region\" "
-            f"aria-label=\"the runs\">{listed}</div></details>")
+            f"<details><summary>the runs</summary><div class=\"wide\">{listed}</div></details>")
 
 
 def provenance_row(result: Result) -> Iterator[str]:
