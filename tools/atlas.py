@@ -25,6 +25,7 @@ from record_atlas import EVALUATION, EVERY, METHODS, PLACES, SIDE, filmed_runs
 from move import paths
 from move.errors import BadInput
 from move.figures.page import parameters
+from move.figures.plots.film import SEEN
 from move.figures.plots.style import NAMES
 from move.learn.agents import Recorded
 from move.learn.evaluation import Start, starts
@@ -67,7 +68,7 @@ def page(profile: Profile, static: Path) -> str:
     return (
         "# Atlas: an episode from every place\n\n"
         "Choose a place on one of figure 1's two maps, with the mouse or with the arrow keys: both policies start with "
-        "the object there.\n\n"
+        f"the object there. In the films {SEEN[TASK.name]}.\n\n"
         f'```{{raw}} html\n<div id="atlas"><div class="maps">{blocks}</div><div class="screens">{screens}</div>'
         '<p class="controls"><button type="button" id="atlas-play">Play</button> <label>timestep <input type="range" '
         'id="atlas-step" min="0" max="1" value="0"></label></p><p id="atlas-said" role="status"></p>'
@@ -81,9 +82,10 @@ def page(profile: Profile, static: Path) -> str:
         "[table 2](figures/table2_main.ipynb) on Pick-Place, seed 0, from pixels: trained on 20,000 timesteps with "
         f"object, target, hand and camera anywhere. Of these {len(PLACES)} places {said}. Object and hand are where "
         "figure 1's evaluation has them, camera and target where this package has them, because these policies have "
-        "never seen the camera of figure 1; so a film may end otherwise than the colours say. A tick or a cross says how the film of that place ends. A film shows every "
-        f"{STRIDE}rd timestep at half the speed of the robot; it is over after ten successful steps, or after 200. "
-        f"What the policies did was recorded once and is played again here. The runs: {runs}.\n")
+        "never seen the camera of figure 1; so a film may end otherwise than the colours say. A tick or a cross says "
+        f"how the film of that place ends. A film shows every {STRIDE}rd timestep at half the speed of the robot; it "
+        "is over after ten successful steps, or after 200. What the policies did was recorded once and is played again "
+        f"here. The runs: {runs}.\n")
 
 
 def films(profile: Profile) -> dict[str, Any]:
