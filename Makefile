@@ -93,7 +93,7 @@ lab: $(READY)  ## open JupyterLab on its start page: what to read in which order
 slides: $(READY)  ## the tutorials as slides, executed, into build/slides
 	$(BIN)/jupyter nbconvert --to slides --execute --output-dir build/slides notebooks/tutorial/*.ipynb
 
-site: $(READY)  ## one page of all results and a page a figure, from what is stored, into build/site
+site: $(READY)  ## web pages of all results, a page a figure and an atlas of episodes, from what is stored
 	$(BIN)/python tools/make_site.py
 
 bench: $(READY)  ## the speed figures, each against a reference measured in the same run

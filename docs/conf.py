@@ -4,6 +4,8 @@ MathML at build time."""
 from __future__ import annotations
 
 import re
+from html import escape
+from pathlib import Path
 from typing import Any
 
 from docutils import nodes
@@ -59,8 +61,37 @@ def write_math(writer: Any, node: nodes.Element) -> None:
     raise nodes.SkipNode
 
 
+REPAIRS = (
+    (re.compile(r'role="heading"(?! aria-level)'), 'role="heading" aria-level="2"'),  # the captions of the contents
+    (re.compile(r"<pre(?![^>]*tabindex)"), '<pre tabindex="0"'),  # a box that scrolls is reached by keys
+    (re.compile(r'<div class="(cell_output|table-wrapper|wide)(?=[ "])'), r'<div tabindex="0" class="\1'),
+    (re.compile(r"<th\b[^>]*>(?:\s|&nbsp;|<p></p>)*</th>"), "<td></td>"),  # a heading of nothing
+    (re.compile(r'<aside class="sidebar-drawer"'), '<aside aria-label="the site" class="sidebar-drawer"'),
+    (re.compile(r'<aside class="toc-drawer'), '<aside aria-label="this page" class="toc-drawer'),
+)
+"""What the theme and notebooks write for eyes and mice alone."""
+
+
+def describe(app: Any, page: str, template: str, context: dict[str, Any], doctree: nodes.document | None) -> None:
+    """Give a page its description: how it begins."""
+    first = next(iter(doctree.findall(nodes.paragraph)), None) if doctree else None
+    text = " ".join(first.astext().split())[:200] if first else f"{context.get('title', page)}: {project}"
+    context["metatags"] = context.get("metatags", "") + f'<meta name="description" content="{escape(text)}">'
+
+
+def mend(app: Any, problem: Exception | None) -> None:
+    """Mend the markup of all pages for readers with a keyboard or a screen reader."""
+    for path in Path(app.outdir).rglob("*.html"):
+        text = path.read_text(encoding="utf-8")
+        for wrong, right in REPAIRS:
+            text = wrong.sub(right, text)
+        path.write_text(text, encoding="utf-8")
+
+
 def setup(app: Any) -> None:
     """Register what this file adds to Sphinx."""
     app.add_html_math_renderer("mathml", (write_math, None), (write_math, None))
+    app.connect("html-page-context", describe)
+    app.connect("build-finished", mend)
     app.connect("autodoc-process-docstring", keep_columns, priority=900)
 nb_ipywidgets_js = {}  # a page has no kernel that sliders could ask, and nothing is loaded from elsewhere

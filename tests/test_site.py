@@ -2,7 +2,10 @@
 
 import os
 import re
+import signal
+import subprocess
 import sys
+import threading
 from html.parser import HTMLParser
 from pathlib import Path
 from urllib.parse import unquote, urldefrag, urlparse
@@ -11,15 +14,29 @@ import nbformat
 import pandas as pd
 import pytest
 from nbformat.v4 import new_code_cell, new_notebook, new_output
+from PIL import Image
 
 from move import paths
+from move.learn.evaluation import starts
+from move.study import policies
 
 sys.path.insert(0, str(paths.ROOT / "tools"))
 make_site = pytest.importorskip("make_site", reason="Sphinx is not installed")
 
 import browser  # noqa: E402
+import record_atlas  # noqa: E402
 
 WIDTHS = (1280, 390)
+BROKEN_WORDS = r"""[...document.querySelectorAll('td, th')].flatMap(cell => {
+    const walk = document.createTreeWalker(cell, NodeFilter.SHOW_TEXT), broken = [], range = document.createRange();
+    for (let text; (text = walk.nextNode());) for (const word of text.data.matchAll(/[\p{L}\p{N}_.]+/gu)) {
+        range.setStart(text, word.index);
+        range.setEnd(text, word.index + word[0].length);
+        if (new Set([...range.getClientRects()].map(one => Math.round(one.top))).size > 1) broken.push(word[0]);
+    }
+    return broken;
+}).slice(0, 5)"""
+"""Words in table cells that are on more than one line."""
 PAGES = sorted(make_site.SITE.rglob("*.html"))
 built = pytest.mark.skipif(not PAGES, reason="no site here; `make site` builds it")
 
@@ -53,12 +70,12 @@ def test_the_site_computes_nothing_that_is_missing(tmp_path, monkeypatch):
     class Enough(Exception):
         pass
 
-    def executed_copy(path: Path) -> None:
+    def executed_copies(notebooks: list[Path]) -> None:
         raise Enough(os.environ["MOVE_STORED_ONLY"])
 
     monkeypatch.setenv("MOVE_STORED_ONLY", "0")
     monkeypatch.setattr(make_site, "SOURCE", tmp_path / "source")
-    monkeypatch.setattr(make_site, "executed_copy", executed_copy)
+    monkeypatch.setattr(make_site, "executed_copies", executed_copies)
     with pytest.raises(Enough, match="1"):
         make_site.main()
 
@@ -90,9 +107,125 @@ def test_a_reader_of_the_site_sees_no_progress_of_a_live_page():
     live = new_output("display_data", {"application/vnd.jupyter.widget-view+json": {}, "text/plain": "Output()"})
     told = new_output("stream", text="told")
     injected = new_code_cell("profile = 'x'", metadata={"tags": ["injected-parameters"]})
-    notebook = new_notebook(cells=[injected, new_code_cell("run()", outputs=[live, told])])
+    answer = new_code_cell("made.answer", outputs=[new_output("display_data", {"text/markdown": "It is."})])
+    notebook = new_notebook(cells=[injected, new_code_cell("run()", outputs=[live, told]), answer])
     (cell,) = make_site.shown_cells(notebook, hide_code=True)
-    assert cell.outputs == [told] and cell.metadata["tags"] == ["hide-input"]
+    assert cell.outputs == [told] and cell.metadata["tags"] == ["remove-input"]
+    assert make_site.answer_of(notebook) == "It is."
+
+
+@pytest.fixture
+def source(tmp_path, monkeypatch):
+    (tmp_path / "_static/results").mkdir(parents=True)
+    monkeypatch.setattr(make_site, "SOURCE", tmp_path)
+    return tmp_path
+
+
+def test_a_page_that_cannot_be_made_says_why_and_loses_no_other(source, monkeypatch):
+    def fail(*arguments):
+        raise OSError("no space left")
+
+    monkeypatch.setattr(make_site, "results_table", fail)
+    monkeypatch.setattr(make_site.atlas, "page", fail)
+    monkeypatch.setattr(make_site, "api_pages", lambda: iter(()))
+    chapter = next(iter(sorted(make_site.TUTORIAL.glob("*.ipynb"))))
+    problems = make_site.write_pages({paths.NOTEBOOKS / "rollouts.ipynb": "rollouts: its kernel died",
+                                      chapter: "chapter: its kernel died"})
+    assert set(problems) == {"rollouts", chapter.stem, "atlas", "index"}
+    figure = (source / "figures/rollouts.ipynb").read_text()
+    assert "its kernel died" in figure and "../_static/rollouts.png" in figure
+    assert "move verify f396f28daf1b259e" in figure
+    assert "its kernel died" in (source / f"tutorial/{chapter.name}").read_text()
+    assert all("no space left" in (source / f"{name}.md").read_text() for name in ("atlas", "index"))
+    assert all((source / name).exists() for name in make_site.DOCUMENTS)
+
+
+def test_a_notebook_that_fails_costs_its_own_copy_alone(monkeypatch, capsys):
+    def executed_copy(path: Path):
+        if path.stem == "fig1_sparse":
+            raise RuntimeError("cell 3")
+        return new_notebook()
+
+    monkeypatch.setattr(make_site, "copy_of_today", lambda path: new_notebook() if path.stem == "claims" else None)
+    monkeypatch.setattr(make_site, "executed_copy", executed_copy)
+    names = ("claims", "fig1_sparse", "rollouts")
+    found = make_site.executed_copies([paths.NOTEBOOKS / f"{name}.ipynb" for name in names])
+    assert [path.stem for path in found] == list(names)
+    assert [isinstance(copy, str) for copy in found.values()] == [False, True, False]
+    said = capsys.readouterr().out
+    assert "(1 of 2)" in said and "(2 of 2)" in said and "claims" not in said
+
+
+def test_a_kernel_that_waits_for_nothing_is_ended_and_one_that_computes_is_not(monkeypatch):
+    monkeypatch.setattr(make_site, "LOOK", 0.2)
+    monkeypatch.setattr(make_site, "STALLED", 8.0)
+    monkeypatch.setattr(make_site, "AT_WORK", 0.02)
+    waiting = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(300)"])
+    computing = subprocess.Popen([sys.executable, "-c", "while True: pass"])
+    done = threading.Event()
+    watch = threading.Thread(target=make_site.end_stalled_kernels, args=[done])
+    watch.start()
+    try:
+        assert waiting.wait(timeout=120) == -signal.SIGKILL
+        assert computing.poll() is None
+    finally:
+        done.set()
+        watch.join()
+        for process in (waiting, computing):
+            process.kill()
+            process.wait()
+
+
+def test_the_answer_is_a_table_with_a_row_a_part_and_nothing_of_the_live_page():
+    made = make_site.answer_table("**The paper:** a < b. **Here, from pixels:** +1 [-2, +5]; more. **How sure:** so.")
+    assert re.findall(r"<th scope=\"row\">(.*?)</th><td>(.*?)</td>", made) == [
+        ("The paper", "A &lt; b."), ("Here, from pixels", "+1 [-2, +5]; more."), ("How sure", "So.")]
+    live = new_code_cell("made.answer", outputs=[new_output("display_data", {
+        "text/markdown": "It is.\n\nWritten to `build/figures/laptop/`; what is shipped stays as it is."})])
+    assert make_site.answer_of(new_notebook(cells=[live])) == "It is."
+
+
+def test_every_run_of_a_figure_leads_to_its_file_its_command_and_its_rows(source):
+    runs = {spec.hash for spec in make_site.parameters.specs("rollouts", make_site.PROFILE)}
+    shown, rows = make_site.provenance("rollouts"), make_site.rows_of("rollouts")
+    assert {path.stem for path in (source / "_static/results").iterdir()} == runs
+    assert all(f"../_static/results/{run}.json" in shown and f"move verify {run}<" in shown for run in runs)
+    episodes = pd.read_csv(source / "_static/rollouts_rows.csv.zip")
+    assert "rollouts_rows.csv.zip" in rows and set(episodes.run) == runs
+    assert len(episodes) == sum(len(result.rows) for result in make_site.split(
+        make_site.parameters.specs("rollouts", make_site.PROFILE), make_site.PROFILE.results)[0])
+
+
+def test_a_picture_opens_large_and_only_plots_are_exchanged_on_dark_pages(source):
+    for name, kind in (("fig1_sparse", "plot"), ("rollouts", "photograph"), ("fig2_overview", "photograph")):
+        shown = make_site.picture(name)
+        assert f'<a href="../_static/{name}.png"><img class="{kind}"' in shown
+        assert ("exchanged" in shown) is (kind == "plot")
+
+
+def test_the_atlas_starts_where_figure_1s_evaluation_does():
+    """All but camera and target, as its page says."""
+    (evaluation,) = {run.spec.evaluation for run in make_site.parameters.runs("fig1_sparse", make_site.PROFILE)
+                     if run.labels["hand"] == "anywhere" and run.spec.evaluation.starts == "grid"}
+    ours = starts(make_site.atlas.TASK, record_atlas.EVALUATION)
+    theirs = starts(make_site.atlas.TASK.variant(evaluation.fixed), evaluation)
+    for number in record_atlas.PLACES:
+        for part in ("object_position", "hand_position"):
+            assert getattr(ours[number].configuration, part) == getattr(theirs[number].configuration, part)
+
+
+def test_a_film_of_the_atlas_plays_what_was_recorded(tmp_path, monkeypatch):
+    if problem := make_site.atlas.gl_problem():
+        pytest.skip(problem)
+    monkeypatch.setattr(make_site.atlas, "MADE", tmp_path)
+    spec = record_atlas.filmed_runs(make_site.PROFILE)["move"]
+    number = record_atlas.PLACES[0]
+    actions = policies.recorded_episodes(spec, make_site.PROFILE, policies.ATLAS)[number]
+    start = starts(make_site.atlas.TASK, record_atlas.EVALUATION)[number]
+    film = make_site.atlas.film("move", number, actions, start)
+    assert film["frames"] == film["steps"] // make_site.atlas.STRIDE + 1 and film["steps"] <= len(actions) + 2
+    with Image.open(tmp_path / film["file"]) as sheet:
+        assert sheet.size[0] == make_site.atlas.COLUMNS * make_site.atlas.SIZE
 
 
 def test_the_start_page_of_the_lab_leads_to_every_notebook():
@@ -125,7 +258,7 @@ def test_the_site_loads_nothing_from_elsewhere_and_is_small():
     for path in PAGES:
         loaded = re.findall(r"<(?:script|img|video|source|iframe)[^>]*src=\"(https?:[^\"]+)", path.read_text())
         assert not loaded, (path, loaded)
-    assert sum(path.stat().st_size for path in make_site.SITE.rglob("*") if path.is_file()) < 40e6
+    assert sum(path.stat().st_size for path in make_site.SITE.rglob("*") if path.is_file()) < 60e6
 
 
 @built
@@ -138,7 +271,52 @@ def test_every_page_fits_its_width_without_an_error(width):
             assert page.evaluate("document.documentElement.scrollWidth") <= width, path
             broken = page.evaluate("[...document.images].filter(one => one.complete && !one.naturalWidth).length")
             assert not broken, path
+            assert page.evaluate(BROKEN_WORDS) == [], path
         assert not page.errors, page.errors
+
+
+@built
+@pytest.mark.browser
+@pytest.mark.parametrize("dark", [False, True])
+def test_axe_finds_nothing_wrong(dark):
+    """The rules that axe-core calls violations, on a page of each kind."""
+    axe = pytest.importorskip("axe_playwright_python", reason="pip install axe-playwright-python brings axe-core")
+    rules = (Path(axe.__file__).parent / "axe.min.js").read_text()
+    with browser.page(390) as page:
+        page.emulate_media(color_scheme="dark" if dark else "light")
+        for name in ("index", "atlas", "figures/table2_main", "figures/claims", "figures/fig2_overview",
+                     "tutorial/1_a_scene_that_moves", "docs/symbols", "KNOWN_DEVIATIONS", "api/move.sim", "search"):
+            page.goto((make_site.SITE / f"{name}.html").as_uri())
+            page.evaluate(rules)
+            found = page.evaluate("axe.run().then(all => all.violations.map(one => [one.id, one.nodes[0].html]))")
+            assert not found, (name, found)
+
+
+@built
+@pytest.mark.browser
+@pytest.mark.parametrize("width", WIDTHS)
+def test_the_atlas_plays_both_films_of_a_chosen_place_by_mouse_and_by_keys(width):
+    with browser.page(width) as page:
+        page.goto((make_site.SITE / "atlas.html").as_uri())
+        place = page.locator(".places").first.locator("button").nth(6)
+        place.click()
+        assert place.get_attribute("aria-pressed") == "true"
+        page.wait_for_function("Number(document.getElementById('atlas-step').value) > 20")
+        page.locator("#atlas-play").click()  # pauses
+        before = page.evaluate("document.getElementById('atlas-step').value")
+        page.locator("#atlas-step").fill("0")
+        place.focus()
+        page.keyboard.press("ArrowRight")
+        beside = page.locator(".places").first.locator("button").nth(7)
+        assert beside.get_attribute("aria-pressed") == "true" and place.get_attribute("aria-pressed") == "false"
+        assert page.locator("#atlas-said").inner_text().startswith("The object is at x")
+        page.locator("#atlas-step").fill("500")  # the end
+        assert all(re.search("succeeds|fails", text) for text in page.locator("figcaption").all_inner_texts())
+        assert before and not page.errors, page.errors
+        assert page.evaluate("document.documentElement.scrollWidth") <= width
+        smallest = page.evaluate("Math.min(...[...document.querySelectorAll('.places button')].map(one => "
+                                 "one.getBoundingClientRect().width))")
+        assert smallest >= 24, smallest  # pixels of a target for a finger
 
 
 @built

@@ -102,6 +102,16 @@ def test_a_difference_ends_the_command_with_exit_code_1(tampered):
     assert "--seed" in outcome.output
 
 
+def test_a_run_named_by_its_hash_is_recomputed_and_nothing_else(tampered, honest, tmp_path):
+    runner = typer.testing.CliRunner()
+    outcome = runner.invoke(cli.app, ["verify", honest.spec.hash, "--json"])
+    (row,) = json.loads(outcome.stdout)
+    assert outcome.exit_code == 1 and row["hash"] == honest.spec.hash and row["difference"] == (
+        "row 0: steps 1, recomputed 200")
+    results.store(honest, tmp_path)
+    assert runner.invoke(cli.app, ["verify", honest.spec.hash]).exit_code == 0
+
+
 def test_checking_every_file_ends_with_exit_code_1_at_a_damaged_one(tampered):
     runner = typer.testing.CliRunner()
     assert runner.invoke(cli.app, ["verify", "--all"]).exit_code == 0

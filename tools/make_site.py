@@ -1,71 +1,126 @@
-"""Writes the site, one page of all results and a page a figure, into build/site: `make site`.
+"""Writes the site into build/site: all results, a page a figure, the documents, an atlas of episodes: `make site`.
 
-From the shipped results and pictures, and from executed notebooks: the copies that `move figure` leaves where they are
-the notebooks of today with the profile's own parameters, else executed here, computing nothing that is missing. Nothing
-outside build/ is written.
+From the shipped results and pictures, and from executed notebooks: the copies that `move figure` or an earlier call
+left, where they are the notebooks of today with the profile's own parameters; else executed here, computing nothing
+that is missing. A page that cannot be made says why, and the others are made all the same. Nothing outside build/ is
+written.
 """
 
 from __future__ import annotations
 
 import html
+import io
 import os
 import pkgutil
+import re
 import shutil
 import sys
+import threading
 import time
-from collections.abc import Iterator
+from base64 import b64decode
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from itertools import count
 from pathlib import Path
 
+import atlas
 import nbformat
 import pandas as pd
 import papermill
+import psutil
+from nbclient.exceptions import DeadKernelError
 from nbformat import NotebookNode
 from nbformat.v4 import new_markdown_cell
+from PIL import Image
 from results_table import table as results_table
 from sphinx.cmd.build import build_main
 
 import move
 from move import paths
-from move.figures import names, owner
+from move.figures import load, names, owner
 from move.figures.page import captions, changes, kernels, parameters
 from move.study.profiles import load_profile
-from move.study.results import Result, split
+from move.study.results import Result, split, table
 
 PROFILE = load_profile("laptop")
 SITE, SOURCE, DOCS = paths.BUILD / "site", paths.BUILD / "site-source", paths.ROOT / "docs"
+EXECUTED = paths.BUILD / "site-notebooks"
 SHIPPED, TUTORIAL = PROFILE.figures, paths.NOTEBOOKS / "tutorial"
-REPOSITORY_PAGES = {"deviations": "KNOWN_DEVIATIONS.md", "security": "SECURITY.md"}
 ORDER = ("claims", "fig", "table", "generalization", "keypoint")  # beginnings of names; the others follow
-CELL_SECONDS = 600  # no cell takes so long; without it one whose reply was lost is waited for forever
+TRIES = 2  # a cell's reply can be lost on the way; then its kernel is ended and the notebook executed again
+STALLED, AT_WORK = 180.0, 0.5  # seconds of waiting within which a kernel that computes uses at least so many of a core
+LOOK = 5.0  # seconds between two looks at that
 GALLERY = ("fig1_sparse", "fig2_overview", "fig5_circle", "table2_main", "claims", "fig4_scaling")
-TO_THE_DOCUMENTS = {f"]({name})": f"]({page}.md)" for page, name in REPOSITORY_PAGES.items()}
+DOCUMENTS = ("KNOWN_DEVIATIONS.md", "SECURITY.md", *sorted(
+    str(path.relative_to(paths.ROOT)) for folder in (DOCS, DOCS / "how-to") for path in folder.glob("*.md")),
+    "paper_figures/bench.md")
+"""Pages of the repository; they lie in the site as in the repository, so that their links to one another hold."""
+PHOTOGRAPH = 2500  # colours from which a picture has images of a camera in it; plots have fewer
+ANSWERS = ("made.answer",)  # the cells whose output the table of the answer replaces
+WRITTEN = re.compile(r"\s*Written to `[^`]*`; what is shipped stays as it is\.")  # of a live notebook alone
 
 
 def main() -> None:
-    """Write the sources, let Sphinx make the pages, say how large it is and how long it took."""
+    """Write the sources, let Sphinx make the pages, say how large it is, how long it took and what is not there."""
     began = time.monotonic()
     os.environ["MOVE_STORED_ONLY"] = "1"  # the kernels' too
     shutil.rmtree(SOURCE, ignore_errors=True)
-    for folder in ("figures", "tutorial", "api", "_static"):
-        (SOURCE / folder).mkdir(parents=True)
+    (SOURCE / "_static/results").mkdir(parents=True)
     shutil.copy(DOCS / "site.css", SOURCE / "_static")
-    with ThreadPoolExecutor(os.cpu_count() or 1) as pool:  # each notebook has a process of its own
-        executed = dict(zip(listed(), pool.map(executed_copy, listed()), strict=True))
-    for path, copy in executed.items():
-        page = tutorial_page(copy) if path.parent == TUTORIAL else figure_page(path.stem, copy)
-        nbformat.write(page, SOURCE / ("tutorial" if path.parent == TUTORIAL else "figures") / path.name)
-    documents = [page for page, name in REPOSITORY_PAGES.items() if (paths.ROOT / name).exists()]
-    for page in documents:
-        (SOURCE / f"{page}.md").write_text(repository_page(REPOSITORY_PAGES[page]))
-    rooms = list(api_pages())
-    (SOURCE / "index.md").write_text(start_page(list(executed), documents, rooms))
+    problems = write_pages(executed_copies(listed()))
     shutil.rmtree(SITE, ignore_errors=True)
     if build_main(["-q", "-b", "html", "-c", str(DOCS), "-d", str(paths.BUILD / "site-doctrees"),
                    "-D", f"html_static_path={SOURCE / '_static'}", str(SOURCE), str(SITE)]):
         sys.exit("make_site: Sphinx found an error; see above")
     size = sum(path.stat().st_size for path in SITE.rglob("*") if path.is_file()) / 1e6
-    sys.stdout.write(f"{SITE / 'index.html'}: {size:.1f} MB, {time.monotonic() - began:.0f} s\n")
+    sys.stdout.write(f"{SITE / 'index.html'}: {size:.1f} MB, {time.monotonic() - began:.0f} s, of it "
+                     f"{sum(os.times()[:4]):.0f} s of a core\n")
+    if problems:
+        lines = "".join(f"\n  {name}: {why}" for name, why in problems.items())
+        sys.exit(f"make_site: {len(problems)} pages are not whole, and say so:{lines}")
+
+
+def write_pages(executed: dict[Path, NotebookNode | str]) -> dict[str, str]:
+    """Write the sources of all pages; return those that are not whole, with why.
+
+    Args:
+        executed: of every notebook the executed copy, or why there is none.
+    """
+    problems: dict[str, str] = {}
+
+    def write(name: str, title: str, page: Callable[[], NotebookNode | str]) -> None:
+        (SOURCE / name).parent.mkdir(parents=True, exist_ok=True)
+        try:
+            content = page()
+        except Exception as problem:  # whatever it is, the other pages are made
+            problems[name] = why = f"{type(problem).__name__}: {problem}"
+            content = f"# {title}\n\n{not_made('This page', why)}\n"
+        if isinstance(content, str):
+            (SOURCE / name).with_suffix(".md").write_text(content)
+        else:
+            nbformat.write(content, (SOURCE / name).with_suffix(".ipynb"))
+
+    for path, copy in executed.items():
+        if isinstance(copy, str):
+            problems[path.stem] = copy
+        if path.parent == TUTORIAL:
+            write(f"tutorial/{path.stem}", path.stem, lambda path=path, copy=copy: tutorial_page(path, copy))
+        else:
+            write(f"figures/{path.stem}", path.stem, lambda path=path, copy=copy: figure_page(path.stem, copy))
+    write("atlas", "Atlas", lambda: atlas.page(PROFILE, SOURCE / "_static"))
+    documents = [name for name in DOCUMENTS if (paths.ROOT / name).exists()]
+    for name in documents:
+        write(name, name, lambda name=name: document(name))
+    rooms = list(api_pages())
+    write("index", "MOVE, reproduced", lambda: start_page(list(executed), documents, rooms))
+    return problems
+
+
+def not_made(what: str, why: str) -> str:
+    """A note to a reader that something of a page is lacking."""
+    reason = html.escape(" ".join(why.split())[:500], quote=False)
+    return f"```{{warning}}\n{what} could not be made: {reason}\n```"
 
 
 def listed() -> list[Path]:
@@ -77,17 +132,75 @@ def listed() -> list[Path]:
     return [*sorted(TUTORIAL.glob("*.ipynb")), *(paths.NOTEBOOKS / f"{name}.ipynb" for name in figures)]
 
 
+def executed_copies(notebooks: list[Path]) -> dict[Path, NotebookNode | str]:
+    """Each notebook with its outputs, or why it has none; what has to be executed is, several at once."""
+    found: dict[Path, NotebookNode | str | None] = {path: copy_of_today(path) for path in notebooks}
+    lacking = [path for path, copy in found.items() if copy is None]
+    numbers = count(1)
+
+    def execute(path: Path) -> NotebookNode | str:
+        sys.stdout.write(f"make_site: executing {path.stem} ({next(numbers)} of {len(lacking)}) ...\n")
+        sys.stdout.flush()
+        try:
+            return executed_copy(path)
+        except Exception as problem:  # of whatever kind: its page says it, and the others go on
+            return f"{path.stem}: {type(problem).__name__}: {' '.join(str(problem).split())[-300:]}"
+
+    done = threading.Event()
+    threading.Thread(target=end_stalled_kernels, args=[done], daemon=True).start()
+    with ThreadPoolExecutor(os.cpu_count() or 1) as pool:  # each notebook has a process of its own
+        executed = dict(zip(lacking, pool.map(execute, lacking), strict=True))
+    done.set()
+    return {path: executed[path] if copy is None else copy for path, copy in found.items()}
+
+
+def copy_of_today(path: Path) -> NotebookNode | None:
+    """The executed copy that `move figure` or an earlier call left, unless notebook or results have changed since."""
+    newest = max((result.stat().st_mtime for result in PROFILE.results.glob("*.json")), default=0)
+    for folder in (paths.BUILD / "notebooks" / PROFILE.name, EXECUTED):
+        left = folder / path.name
+        if left.exists() and left.stat().st_mtime > newest and is_of_today(
+                copy := nbformat.read(left, 4), nbformat.read(path, 4)):
+            return copy
+    return None
+
+
 def executed_copy(path: Path) -> NotebookNode:
-    """A notebook with its outputs: as `move figure` left it, or executed now, from stored results alone."""
-    left = paths.BUILD / "notebooks" / PROFILE.name / path.name
-    if left.exists() and is_of_today(nbformat.read(left, 4), nbformat.read(path, 4)):
-        return nbformat.read(left, 4)
-    sys.stdout.write(f"make_site: executing {path.stem} ...\n")
-    made = paths.BUILD / "site-notebooks" / path.name
-    made.parent.mkdir(parents=True, exist_ok=True)
+    """A notebook executed now, from stored results alone; the copy stays under build/.
+
+    Raises:
+        RuntimeError: its kernel died or stalled as often as it was tried.
+    """
+    EXECUTED.mkdir(parents=True, exist_ok=True)
     given = {} if path.parent == TUTORIAL else parameters.parameters(path.stem, PROFILE)
-    return papermill.execute_notebook(path, made, given, kernel_name="python3", progress_bar=False, cwd=path.parent,
-                                      execution_timeout=CELL_SECONDS)
+    for _ in range(TRIES):
+        try:
+            done = papermill.execute_notebook(path, EXECUTED / path.name, given, kernel_name="python3",
+                                              progress_bar=False, cwd=path.parent)
+        except DeadKernelError:
+            continue
+        if all(cell.execution_count for cell in done.cells if cell.cell_type == "code" and cell.source):
+            return done
+    raise RuntimeError(f"its kernel died or stalled {TRIES} times")
+
+
+def end_stalled_kernels(done: threading.Event) -> None:
+    """Watch the processes that this one started until `done`, and end those that wait for what never comes.
+
+    What is bounded is how long nothing happens, not how long a cell computes.
+    """
+    busy: dict[int, tuple[float, float]] = {}  # process -> when it was last seen at work, its seconds of a core then
+    while not done.wait(LOOK):
+        for child in psutil.Process().children():
+            try:
+                used = sum(sum(one.cpu_times()[:2]) for one in (child, *child.children(recursive=True)))
+            except psutil.NoSuchProcess:
+                continue
+            since, before = busy.setdefault(child.pid, (time.monotonic(), used))
+            if used - before > AT_WORK:
+                busy[child.pid] = time.monotonic(), used
+            elif time.monotonic() - since > STALLED:
+                child.kill()
 
 
 def is_of_today(executed: NotebookNode, notebook: NotebookNode) -> bool:
@@ -96,43 +209,98 @@ def is_of_today(executed: NotebookNode, notebook: NotebookNode) -> bool:
     run_by = executed.metadata.get("papermill", {})
     same = [cell.source for cell in cells] == [cell.source for cell in notebook.cells]
     run = all(cell.execution_count for cell in cells if cell.cell_type == "code" and cell.source)
-    name = Path(run_by.get("input_path") or "none").stem
-    return same and run and not changes.change(name, PROFILE, run_by.get("parameters", {}))
+    name, given = Path(run_by.get("input_path") or "none").stem, run_by.get("parameters", {})
+    return same and run and not (given and changes.change(name, PROFILE, given))
 
 
-def figure_page(name: str, executed: NotebookNode) -> NotebookNode:
-    """The page of a figure: picture and caption, the executed notebook, how to make and change it, its runs."""
-    title, *cells = shown_cells(executed, hide_code=True)
-    pictures = [path.stem for path in sorted(SHIPPED.glob("*.png"))
-                if owner(path.stem) == name]
+def figure_page(name: str, executed: NotebookNode | str) -> NotebookNode:
+    """The page of a figure: picture, answer and caption, the executed notebook, how to make and change it, its runs.
+
+    Args:
+        executed: the copy, or why there is none: then the page has what is shipped.
+    """
+    notebook = nbformat.read(paths.NOTEBOOKS / f"{name}.ipynb", 4) if isinstance(executed, str) else executed
+    answer = answer_of(notebook) or words(name)[1]
+    title, *cells = shown_cells(notebook, hide_code=True)
+    pictures = [path.stem for path in sorted(SHIPPED.glob("*.png")) if owner(path.stem) == name]
     heading, _, question = title.source.partition("\n")
-    after = [commands(name), tables(name), provenance(name)]
+    lacking = not_made("The executed notebook of this page", executed) if isinstance(executed, str) else ""
     if pictures:
         cells = [without_pictures(cell) for cell in cells]
-    before = "\n\n".join([heading, *map(picture, pictures), films(name), question.strip()])
-    executed.cells = [new_markdown_cell(before), *cells, *(new_markdown_cell(text) for text in after if text)]
-    return executed
+    before = [heading, lacking, answer_table(answer), *map(picture, pictures), films(name), question.strip()]
+    after = [commands(name), tables(name), provenance(name), source(name)]
+    notebook.cells = [new_markdown_cell("\n\n".join(part for part in before if part)), *cells,
+                      *(new_markdown_cell(text) for text in after if text)]
+    return notebook
 
 
-def tutorial_page(executed: NotebookNode) -> NotebookNode:
-    """A chapter of the tutorial, code and all; its pictures are named after the heading above them."""
+def tutorial_page(path: Path, executed: NotebookNode | str) -> NotebookNode:
+    """A chapter of the tutorial, code and all; its pictures are named after the heading above them.
+
+    Args:
+        executed: the copy, or why there is none: then the page has the cells as they are written.
+    """
     heading = "the chapter"
-    executed.cells = shown_cells(executed, hide_code=False)
-    for cell in executed.cells:
+    notebook = nbformat.read(path, 4) if isinstance(executed, str) else executed
+    notebook.cells = shown_cells(notebook, hide_code=False)
+    for cell in notebook.cells:
         if cell.cell_type == "markdown":
             heading = next((line.strip("# ") for line in cell.source.splitlines() if line.startswith("#")), heading)
         else:
-            cell.metadata["mystnb"] = {"image": {"alt": f"Picture: {heading}"}}
-    return executed
+            cell.metadata["mystnb"] = {"image": {"alt": f"Picture: {heading}", "classes": kind_of(cell)}}
+    if isinstance(executed, str):
+        notebook.cells.insert(1, new_markdown_cell(not_made("The outputs of this page", executed)))
+    return notebook
+
+
+def kind_of(cell: NotebookNode) -> str:
+    """"photograph" of a cell whose pictures have images of a camera in them, else "plot"."""
+    found = [b64decode(output["data"]["image/png"]) for output in cell.outputs if "image/png" in output.get("data", {})]
+    return "photograph" if any(is_photograph(Image.open(io.BytesIO(content))) for content in found) else "plot"
+
+
+def is_photograph(image: Image.Image) -> bool:
+    """Whether a picture has images of a camera in it: then its light and dark are not exchanged on a dark page."""
+    return image.convert("RGB").getcolors(PHOTOGRAPH) is None
+
+
+def answer_of(notebook: NotebookNode) -> str:
+    """The answer that an executed notebook prints, in Markdown; empty where it was not executed."""
+    shown = [output["data"].get("text/markdown", "") for cell in notebook.cells if cell.source in ANSWERS
+             for output in cell.get("outputs", []) if "data" in output]
+    return WRITTEN.sub("", "\n\n".join(shown)).strip()
+
+
+def answer_table(answer: str) -> str:
+    """The answer as a small table: a row a part that begins in bold, as `**Here**, from pixels:`, a line a sentence."""
+    first, *parts = re.split(r"\*\*([^*]+?):?\*\*", answer)
+    labelled = [("Here", first), *zip(parts[::2], parts[1::2], strict=True)]
+    rows = [(label, text.strip(" ,:\n")) for label, text in labelled]
+    cells = "".join(
+        f"<tr><th scope=\"row\">{html.escape(label, quote=False)}</th><td>{sentences(text)}</td></tr>"
+        for label, text in rows if text)
+    return f"<div class=\"wide answer\"><table><tbody>{cells}</tbody></table></div>" if cells else ""
+
+
+def sentences(text: str) -> str:
+    """Plain text for HTML, a line a sentence and a line a part between semicolons."""
+    words = " ".join(text.replace("**", "").replace("`", "").split())
+    lines = re.split(r"(?<=[.;]) (?=\w)", words) if len(words) > 120 else [words]
+    return "<br>".join(html.escape(line[:1].upper() + line[1:].rstrip(";"), quote=False) for line in lines)
 
 
 def shown_cells(executed: NotebookNode, hide_code: bool) -> list[NotebookNode]:
-    """The cells that a reader of the site needs: no injected parameters, no progress of a live page."""
-    cells = [cell for cell in executed.cells if "injected-parameters" not in cell.metadata.get("tags", [])]
+    """The cells that a reader of the site needs: no injected parameters, no progress of a live page.
+
+    Args:
+        hide_code: leave the code away, and the answer, which stands above.
+    """
+    cells = [cell for cell in executed.cells if "injected-parameters" not in cell.metadata.get("tags", [])
+             and not (hide_code and cell.source in ANSWERS)]
     for cell in cells:
         cell.metadata = NotebookNode()
         if cell.cell_type == "code":
-            cell.metadata["tags"] = ["hide-input"] if hide_code else []
+            cell.metadata["tags"] = ["remove-input"] if hide_code else []
             cell.outputs = [output for output in cell.outputs
                             if "application/vnd.jupyter.widget-view+json" not in output.get("data", {})]
     return cells
@@ -157,13 +325,18 @@ def words(name: str) -> tuple[str, str, str]:
 
 
 def picture(name: str) -> str:
-    """A shipped picture with its alternative text and caption."""
-    shutil.copy(SHIPPED / f"{name}.png", SOURCE / "figures")
-    shutil.copy(SHIPPED / f"{name}.pdf", SOURCE / "_static")
-    caption, found, alt = words(name)
-    one_line = " ".join(alt.split()).replace("[", "(").replace("]", ")")
-    return (f"![{one_line}]({name}.png)\n\n{html.escape(caption, quote=False)}\n\n{html.escape(found, quote=False)}\n\n"
-            f"<a href=\"../_static/{name}.pdf\">as PDF</a>")
+    """A shipped picture, which opens large, with its alternative text and caption."""
+    for ending in ("png", "pdf"):
+        shutil.copy(SHIPPED / f"{name}.{ending}", SOURCE / "_static")
+    caption, _, alt = words(name)
+    with Image.open(SHIPPED / f"{name}.png") as image:
+        kind, (width, height) = "photograph" if is_photograph(image) else "plot", image.size
+    remark = "Light and dark are exchanged in this picture; the large one is as published." if kind == "plot" else ""
+    file, alt = f"../_static/{name}", html.escape(" ".join(alt.split()))
+    return (f"<figure class=\"picture\"><a href=\"{file}.png\"><img class=\"{kind}\" src=\"{file}.png\" "
+            f"width=\"{width}\" height=\"{height}\" alt=\"{alt}\"></a><figcaption class=\"on-dark\">{remark}"
+            f"</figcaption></figure>\n\n{html.escape(caption, quote=False)} <a href=\"{file}.png\">Large</a>, "
+            f"<a href=\"{file}.pdf\">PDF</a>.")
 
 
 def films(name: str) -> str:
@@ -190,12 +363,26 @@ def commands(name: str) -> str:
 
 
 def tables(name: str) -> str:
-    """Links to the shipped tables of a notebook."""
+    """Links to the shipped tables of a notebook, and to all its episodes."""
     found = sorted(path for path in SHIPPED.glob("*.csv") if table_of(path.stem) == name)
     for path in found:
         shutil.copy(path, SOURCE / "_static")
     links = ", ".join(f"<a href=\"../_static/{path.name}\">{path.stem}</a>" for path in found)
-    return f"## All its numbers\n\nAs CSV: {links}." if found else ""
+    parts = [f"As CSV: {links}."] * bool(found) + [rows_of(name)]
+    return "## All its numbers\n\n" + "\n\n".join(filter(None, parts)) if any(parts) else ""
+
+
+def rows_of(name: str) -> str:
+    """A link to every episode of a figure's runs as CSV, which is written; empty of a figure without runs."""
+    if name not in parameters.with_runs():
+        return ""
+    labels = {run.spec.hash: run.labels for run in parameters.runs(name, PROFILE)}
+    there, _ = split(list({spec.hash: spec for spec in parameters.specs(name, PROFILE)}.values()), PROFILE.results)
+    episodes = table([replace(result, labels=labels[result.spec.hash]) for result in there])
+    path = SOURCE / "_static" / f"{name}_rows.csv.zip"
+    episodes.to_csv(path, index=False, float_format="%.4f", compression={"method": "zip", "archive_name": path.stem})
+    return (f"Its rows, one an episode: <a href=\"../_static/{path.name}\">{path.name}</a> ({len(episodes):,} rows; "
+            f"`pandas.read_csv` reads it as it is).")
 
 
 def table_of(stem: str) -> str:
@@ -204,42 +391,60 @@ def table_of(stem: str) -> str:
 
 
 def provenance(name: str) -> str:
-    """Every stored run of a figure: what it is, its result's name, where and how long it was computed."""
+    """Every stored run of a figure: what it is, its result's file, how to recompute it, where and how long it took."""
     if name not in parameters.with_runs():
         return ""
-    there, missing = split(parameters.specs(name, PROFILE), PROFILE.results)
-    head = "".join(f"<th>{title}</th>" for title in ("run", "hash", "success", "seconds", "processor", "commit"))
+    there, missing = split(list(dict.fromkeys(parameters.specs(name, PROFILE))), PROFILE.results)
+    titles = ("run", "result", "success", "seconds", "processor", "commit", "recompute and compare")
+    head = "".join(f"<th scope=\"col\">{title}</th>" for title in titles)
     rows = "".join(f"<tr>{''.join(f'<td>{cell}</td>' for cell in provenance_row(result))}</tr>" for result in there)
     lacking = f" {len(missing)} more are not computed yet." if missing else ""
     listed = f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
-    return (f"## Where the numbers come from\n\n{len(there)} runs; each is the file `results/laptop/HASH.json`, with "
-            f"every episode.{lacking}\n\n"
+    return (f"## Where the numbers come from\n\n{len(there)} runs; each is a file with its settings and every "
+            f"episode.{lacking} `move verify HASH` in a checkout recomputes one and compares it row by row.\n\n"
             f"<details><summary>the runs</summary><div class=\"wide\">{listed}</div></details>")
 
 
 def provenance_row(result: Result) -> Iterator[str]:
-    """What a run is, its hash, rate, seconds, processor and commit."""
-    made = result.provenance
+    """What a run is, its result's file, rate, seconds, processor, commit, and the command that recomputes it."""
+    made, name = result.provenance, result.spec.hash
+    shutil.copy(PROFILE.results / f"{name}.json", SOURCE / "_static/results")
     yield html.escape(result.spec.label)
-    yield f"<code>{result.spec.hash}</code>"
+    yield f"<a href=\"../_static/results/{name}.json\"><code>{name}</code></a>"
     yield f"{result.rate:.2f}"
     yield f"{sum(result.seconds.values()):.0f}"
     yield html.escape(str(made.get("processor", "unknown")))
     yield f"<code>{str(made.get('commit', 'unknown'))[:8]}</code>"
+    yield f"<code>move verify {name}</code>"
+
+
+def source(name: str) -> str:
+    """The file that the figure is made by, folded."""
+    text = Path(str(load(name).__file__)).read_text()
+    return (f"## Its code\n\n<details><summary><code>move/figures/{name}.py</code></summary>\n\n````python\n{text}````"
+            "\n\n</details>")
 
 
 def start_page(listed: list[Path], documents: list[str], rooms: list[str]) -> str:
-    """The results' table, the claims with their verdicts, and the way to all other pages."""
+    """The results' table, the claims with their verdicts, and the way to all other pages.
+
+    Args:
+        documents: names of the repository's pages.
+        rooms: names of the pages of code.
+    """
     figures = [f"figures/{path.stem}" for path in listed if path.parent != TUTORIAL]
     chapters = [f"tutorial/{path.stem}" for path in listed if path.parent == TUTORIAL]
     ledger = pd.read_csv(SHIPPED / "claims.csv")
     counted = "; ".join(f"{count} {verdict}" for verdict, count in ledger.verdict.value_counts().items())
-    trees = [("Tutorial", chapters), ("Figures and tables", figures), ("About", documents), ("Code", rooms)]
+    pages = [name.removesuffix(".md") for name in documents]
+    trees = [("Tutorial", chapters), ("Figures and tables", ["atlas", *figures]), ("About", pages), ("Code", rooms)]
     return "\n".join([
         "# MOVE, reproduced", "",
         "*MOVE: A Simple Motion-Based Data Collection Paradigm for Spatial Generalization in Robotic Manipulation* "
         "(arXiv 2512.04813), reimplemented from scratch on a laptop without a GPU. Every number here comes from a "
-        "stored run, and each page says which.", "", "## What came out", "", results_table(), "", gallery(figures), "",
+        "stored run, and each page says which.", "",
+        "[**The atlas**](atlas.md): choose a place of the object, and see what static's and MOVE's policy do from "
+        "there.", "", "## What came out", "", results_table(), "", gallery(figures), "",
         f"## What became of the paper's {len(ledger)} claims", "",
         f"{counted}. A rule gives the verdicts; [how](figures/claims.ipynb).", "",
         *claims(ledger), "", *(tree(title, pages) for title, pages in trees if pages)])
@@ -247,7 +452,7 @@ def start_page(listed: list[Path], documents: list[str], rooms: list[str]) -> st
 
 def claims(ledger: pd.DataFrame) -> Iterator[str]:
     """The lines of the claims' table, each claim with its numbers and its figure's page."""
-    yield "| | the paper says | verdict | numbers | figure |"
+    yield "| no. | the paper says | verdict | numbers | figure |"
     yield "|---|---|---|---|---|"
     for row in ledger.itertuples():
         open_ones = f"{row.evidence}; {row.needed}" if isinstance(row.needed, str) else row.evidence
@@ -260,9 +465,14 @@ def claims(ledger: pd.DataFrame) -> Iterator[str]:
 def gallery(figures: list[str]) -> str:
     """A few pictures that lead to their pages."""
     shown = [name for name in GALLERY if f"figures/{name}" in figures and (SHIPPED / f"{name}.png").exists()]
-    return "\n\n".join(f"[![{title}](figures/{name}.png)](figures/{name}.ipynb)"
-                       for name, title in ((name, words(name)[2].replace("[", "(").replace("]", ")"))
-                                           for name in shown))
+    links = []
+    for name in shown:
+        title, _, alt = (html.escape(" ".join(text.split())) for text in (load(name).WORDS.title, *words(name)[1:]))
+        with Image.open(SHIPPED / f"{name}.png") as image:
+            kind = "photograph" if is_photograph(image) else "plot"
+        links.append(f"<a href=\"figures/{name}.html\"><img class=\"{kind}\" src=\"_static/{name}.png\" alt=\"{alt}\" "
+                     f"loading=\"lazy\">{title}</a>")
+    return f"<div class=\"gallery\">{''.join(links)}</div>"
 
 
 def tree(title: str, pages: list[str]) -> str:
@@ -270,12 +480,10 @@ def tree(title: str, pages: list[str]) -> str:
     return f"```{{toctree}}\n:caption: {title}\n:maxdepth: 1\n:hidden:\n\n" + "\n".join(pages) + "\n```\n"
 
 
-def repository_page(name: str) -> str:
-    """A document of the repository, its links to the other documents led to their pages."""
+def document(name: str) -> str:
+    """A document of the repository, with a title if it has none."""
     text = (paths.ROOT / name).read_text()
-    for link, page in TO_THE_DOCUMENTS.items():
-        text = text.replace(link, page)
-    return text
+    return text if text.startswith("# ") else f"# {Path(name).stem.replace('_', ' ').capitalize()}\n\n{text}"
 
 
 def api_pages() -> Iterator[str]:
@@ -287,6 +495,7 @@ def api_pages() -> Iterator[str]:
                   if not module.ispkg and module.name.rpartition(".")[0] == package]
         parts = [f"# {package}", f"```{{eval-rst}}\n.. automodule:: {package}\n   :no-members:\n```"]
         parts += [f"## {name.rpartition('.')[2]}\n\n```{{eval-rst}}\n.. automodule:: {name}\n```" for name in inside]
+        (SOURCE / "api").mkdir(exist_ok=True)
         (SOURCE / "api" / f"{package}.md").write_text("\n\n".join(parts) + "\n")
         yield f"api/{package}"
 

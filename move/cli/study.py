@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from move.study.profiles import Profile
     from move.study.spec import RunSpec
 
+HASH = re.compile(r"[0-9a-f]{16}")  # a run's, which no figure is called; as `move.study.results` has it, without pandas
+SAMPLE = 2  # results that `verify` recomputes
 SCHEDULER = re.compile(r"(tcp|tls|ucx|wss?)://[^/\s:]+:\d+")
 
 
@@ -116,33 +118,49 @@ def plan(figures: Figures = None, profile: ProfileName = "laptop", parameter: Pa
     show(rows, as_json, plan_title(chosen))
 
 
-@app.command(epilog=examples("move verify fig1 --sample 1", "move verify --seed 7", "move verify --all"))
+@app.command(epilog=examples("move verify fig1 --sample 1", "move verify 2514a6c230291265", "move verify --seed 7",
+                             "move verify --all"))
 def verify(
-    figures: Figures = None,
+    figures: Annotated[Optional[list[str]], typer.Argument(
+        metavar="[FIGURE | HASH]...", help="figures whose runs are drawn from (default: all of the profile), or the "
+        "hashes of the runs to recompute")] = None,
     profile: ProfileName = "laptop",
-    sample: Annotated[int, typer.Option(min=1, max=10**4, help="how many results to recompute")] = 2,
+    sample: Annotated[Optional[int], typer.Option(
+        min=1, max=10**4, help=f"how many results to recompute (default: {SAMPLE})")] = None,
     seed: Annotated[Optional[int], typer.Option(
         min=0, max=LARGEST_SEED, help="draws the sample; fresh each time if left out")] = None,
     every: Annotated[bool, typer.Option("--all", help="check every stored file, recompute nothing")] = False,
     as_json: Json = False,
 ) -> None:
-    """Recompute a drawn sample of the stored results and compare; any difference ends with exit code 1."""
-    chosen, names = _asked(profile, figures)
-    if every and names:
-        raise BadInput(f"figure: {names[0]!r} given with --all, which checks every file; allowed is one of the two")
+    """Recompute a drawn sample of the stored results, or named ones, and compare; a difference ends with code 1."""
+    hashes = list(dict.fromkeys(name for name in figures or [] if HASH.fullmatch(name)))
+    chosen, names = _asked(profile, [name for name in figures or [] if name not in hashes])
+    if every and (names or hashes):
+        raise BadInput(f"figure: {(names + hashes)[0]!r} given with --all, which checks every file; allowed is one of "
+                       "the two")
+    if hashes and (names or sample or seed is not None):
+        other = names[0] if names else "--sample or --seed"
+        raise BadInput(f"verify: the run {hashes[0]} given with {other}, of which a sample is drawn; allowed is one of "
+                       "the two")
     import numpy as np
 
     from move.study import verify as verifying
+    from move.study.results import find
 
     if every:
         rows = verifying.check_files(chosen.results)
         shown = [row for row in rows if not row["same"]] or [{"files": len(rows), "same": "all"}]
         show(rows if as_json else shown, as_json, "Checked")
+    elif hashes:
+        stored = [find(name, [chosen.results, chosen.own_results]) for name in hashes]
+        with progress("verify") as report:
+            rows = verifying.recompute(stored, report)
+        show(rows, as_json, "Recomputed")
     else:
         seed = int(np.random.SeedSequence().generate_state(1)[0]) if seed is None else seed
         specs = [spec for listed in chosen_specs(chosen, names).values() for spec in listed]
         with progress(f"verify --seed {seed}") as report:
-            rows = verifying.verify(specs, chosen.results, sample, np.random.default_rng(seed), report)
+            rows = verifying.verify(specs, chosen.results, sample or SAMPLE, np.random.default_rng(seed), report)
         typer.echo(f"verify: --seed {seed} draws this sample again", err=True)
         show(rows, as_json, "Recomputed")
     if not all(row["same"] for row in rows):

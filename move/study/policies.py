@@ -29,6 +29,7 @@ from move.untrusted import read_json
 
 SEAL = "policy.json"
 EPISODES = "episodes.safetensors"  # next to a shipped policy: what it did in some of its evaluation's episodes
+ATLAS = "atlas.safetensors"  # the same at places of figure 1's map, see tools/record_atlas.py
 
 
 def _shipped(spec: RunSpec, profile: Profile) -> Path:
@@ -117,13 +118,16 @@ def acting(spec: RunSpec, profile: Profile) -> Callable[[int], Agent]:
     return lambda number: Recorded(recorded[number]) if number in recorded else PolicyAgent(policy, spec.seed)
 
 
-def recorded_episodes(spec: RunSpec, profile: Profile) -> dict[int, np.ndarray]:
-    """Of some episodes of a shipped policy's evaluation, by number, the actions: (steps, action_size) float32.
+def recorded_episodes(spec: RunSpec, profile: Profile, name: str = EPISODES) -> dict[int, np.ndarray]:
+    """Of some episodes of a shipped policy, by number, the actions: (steps, action_size) float32.
+
+    Args:
+        name: of the file, `EPISODES` or `ATLAS`.
 
     Raises:
         BadInput: the file is damaged, or another policy's.
     """
-    path = _shipped(spec, profile) / EPISODES
+    path = _shipped(spec, profile) / name
     if not path.parent.exists():
         return {}
     refuse_other_files(spec, path.parent)
@@ -132,15 +136,15 @@ def recorded_episodes(spec: RunSpec, profile: Profile) -> dict[int, np.ndarray]:
     try:
         found = {int(number): actions for number, actions in load_file(path).items()}
     except (SafetensorError, ValueError) as error:
-        raise BadInput(f"{path}: damaged; allowed is what tools/record_episodes.py writes") from error
+        raise BadInput(f"{path}: damaged; allowed is what tools/record_{path.stem}.py writes") from error
     if not all(actions.ndim == 2 and len(actions) and np.isfinite(actions).all() for actions in found.values()):
-        raise BadInput(f"{path}: not actions; allowed is what tools/record_episodes.py writes")
+        raise BadInput(f"{path}: not actions; allowed is what tools/record_{path.stem}.py writes")
     return found
 
 
-def record_episodes(spec: RunSpec, profile: Profile, episodes: dict[int, np.ndarray]) -> Path:
-    """Write what a shipped policy did in these episodes next to it."""
-    path = _shipped(spec, profile) / EPISODES
+def record_episodes(spec: RunSpec, profile: Profile, episodes: dict[int, np.ndarray], name: str = EPISODES) -> Path:
+    """Write what a shipped policy did in these episodes next to it, as the file `name`: `EPISODES` or `ATLAS`."""
+    path = _shipped(spec, profile) / name
     with written_aside(path) as beside:
         save_file({str(number): np.ascontiguousarray(actions, np.float32) for number, actions in episodes.items()},
                   beside)

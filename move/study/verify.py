@@ -1,4 +1,4 @@
-"""Looks for a stored result that is not what it says: recomputes a drawn sample, or checks every file.
+"""Looks for a stored result that is not what it says: recomputes named ones or a drawn sample, or checks every file.
 
 Rows are compared by the columns that both have, for results of earlier versions hold less of the configuration tried.
 """
@@ -52,9 +52,13 @@ def verify(
     if not there and not unusable:
         raise BadInput(f"verify: no stored result in {folder}; run `move run` first")
     rows = [_row(spec, False, "not at all", difference=why) for spec, why in unusable.values()]
-    drawn = draw_sample(there, sample, rng)
-    return rows + [_recompute(stored, partial(_report, on_step, number, len(drawn)))
-                   for number, stored in enumerate(drawn)]
+    return rows + recompute(draw_sample(there, sample, rng), on_step)
+
+
+def recompute(results: list[Result], on_step: Callable[[float, int], None] | None = None) -> list[dict[str, Any]]:
+    """Recompute stored results from nothing; one row each, as `verify` gives them."""
+    return [_recompute(stored, partial(_report, on_step, number, len(results)))
+            for number, stored in enumerate(results)]
 
 
 def _row(spec: RunSpec, same: bool, judged: str, stored_rate: float | None = None, recomputed_rate: float | None = None,
