@@ -68,7 +68,7 @@ test-lerobot: $(READY) $(LEROBOT)/ready  ## LeRobot itself reads exports and tra
 
 $(ENVIRONMENTS)/ready: $(READY) tests/environments/requirements.txt
 	$(BIN)/python -m venv --clear $(ENVIRONMENTS)
-	$(BIN)/python -c 'import site; print(site.getsitepackages()[0])' > $(ENVIRONMENTS)/lib/python3.11/site-packages/locked.pth
+	$(BIN)/python -c 'import site; print(site.getsitepackages()[0])' > $$($(ENVIRONMENTS)/bin/python -c "import site; print(site.getsitepackages()[0])")/locked.pth
 	$(ENVIRONMENTS)/bin/pip install --quiet --no-deps --only-binary :all: --require-hashes -r tests/environments/requirements.txt
 	@touch $@
 
