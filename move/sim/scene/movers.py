@@ -157,18 +157,20 @@ class Placed:
     def __init__(self, place: np.ndarray, quaternion: np.ndarray, where: np.ndarray, frame: Frame | None = None
                  ) -> None:
         self.place, self.quaternion, self.where = place, quaternion, where
-        self.frame = frame or (np.zeros(3), np.eye(3), np.array([1.0, 0.0, 0.0, 0.0]))
-        self.start, self.first = where.copy(), (place.copy(), quaternion.copy())
+        origin, axes, facing = frame or (np.zeros(3), np.eye(3), np.array([1.0, 0.0, 0.0, 0.0]))
+        self.start, self.first, self.axes = where.copy(), (place.copy(), quaternion.copy()), axes.T.copy()
+        self.offset = self.axes @ origin
+        back, up = np.empty(4), np.empty(4)  # the frame's inverse, and the start turned half around
+        mujoco.mju_negQuat(back, facing)
+        mujoco.mju_mulQuat(up, facing, quaternion)
+        self.across = np.empty(4)
+        mujoco.mju_mulQuat(self.across, back, turned(up, math.pi))
 
     def put(self, position: Vector | np.ndarray, yaw: float) -> None:
         """Put it there."""
-        origin, axes, facing = self.frame
-        self.place[:] = axes.T @ (position - origin)
-        if yaw:
-            back, seen = np.empty(4), np.empty(4)
-            mujoco.mju_negQuat(back, facing)
-            mujoco.mju_mulQuat(seen, facing, self.first[1])
-            mujoco.mju_mulQuat(self.quaternion, back, turned(seen, yaw))
+        self.place[:] = self.axes @ position - self.offset
+        if yaw:  # a turn's quaternion is linear in the cosine and the sine of half its angle
+            self.quaternion[:] = math.cos(yaw / 2) * self.first[1] + math.sin(yaw / 2) * self.across
 
     def put_back(self) -> None:
         """Write what stood there when the episode began."""
@@ -196,13 +198,14 @@ class Camera:
         view = model.camera(name)
         frame = frame_of(data, int(view.bodyid[0]))
         self.placed = Placed(view.pos, view.quat, frame[0] + frame[1] @ view.pos, frame)
-        self.axis = np.array([*around, 0.0])
+        x, y, self.height = self.placed.start.tolist()
+        self.axis, self.away = around, (x - around[0], y - around[1])
 
     def put(self, angle: float) -> None:
         """Put it at `angle` (radians) from where the environment has it."""
         cos, sin = math.cos(angle), math.sin(angle)
-        x, y, z = self.placed.start - self.axis
-        self.placed.put(self.axis + (cos * x - sin * y, sin * x + cos * y, z), angle)
+        (x, y), (away_x, away_y) = self.axis, self.away
+        self.placed.put((x + cos * away_x - sin * away_y, y + sin * away_x + cos * away_y, self.height), angle)
 
     def put_back(self) -> None:
         """Write what the model held when the episode began."""
