@@ -27,7 +27,7 @@ class Counted(gymnasium.Wrapper):
 
 def episode(env: gymnasium.Env, steps: int, seed: int) -> SimpleNamespace:
     """An episode without an action: where object, target and camera are after each step."""
-    np.random.seed(seed)  # OGBench draws its starts from numpy's global generator
+    np.random.seed(seed)  # robosuite and OGBench draw their starts from numpy's global generator
     env.reset(seed=seed)
     scene, seen = scene_of(env), SimpleNamespace(object=[], put=[], target=[], angle=[], phases=[])
     action = np.zeros(env.action_space.shape, env.action_space.dtype)
