@@ -28,7 +28,7 @@ def moving(
     object_steps: int = 30, target_steps: int = 200, phase: Callable[[MujocoScene], bool] = lifted,
     **motions: float | str,
 ) -> gymnasium.Env:
-    """`env` with the paper's motions around it: the object moves until it is grasped, the target after, the camera always.
+    """`env` with the paper's motions: the object moves until it is grasped, the target from then on, the camera always.
 
     Each episode draws speeds and directions anew (equations 1 to 3) and starts where `env` starts it. The actions, the
     observations and the rewards stay those of `env`; `info` gets "phase", which is "pick" or "place". The same

@@ -91,7 +91,8 @@ CASES = (
         "target_within": ((0.1, -0.6), (0.8, 0.3))}, most=0.4),
     Case(gymnasium_robotics, "FetchPickAndPlace-v4", FETCH, steps=50),
     Case(gymnasium_robotics, "FetchPush-v4", FETCH, steps=50),
-    Case(robosuite, "Lift", {"object": "cube_main", "within": ((-0.15, -0.15), (0.15, 0.15)), "camera": "frontview"}, episodes=2),
+    Case(robosuite, "Lift", {
+        "object": "cube_main", "within": ((-0.15, -0.15), (0.15, 0.15)), "camera": "frontview"}, episodes=2),
     Case(robosuite, "Stack", {
         "object": "cubeA_main", "within": ((-0.2, -0.2), (0.2, 0.2)), "target": "cubeB_main",
         "target_within": ((-0.2, -0.2), (0.2, 0.2)), "camera": "agentview", "yaw_range": (-3.0, 3.0)}, episodes=2),

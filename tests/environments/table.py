@@ -1,11 +1,14 @@
-"""Print the table of docs/how-to/put_your_own_scene_in_motion.md: PYTHONPATH=. python tests/environments/table.py [NAME]"""
+"""Print the table of docs/how-to/put_your_own_scene_in_motion.md, or the rows of the environments that are named.
+
+    PYTHONPATH=. build/environments-venv/bin/python tests/environments/table.py [NAME ...]
+"""
 
 import sys
 from importlib.metadata import version
 
 import numpy as np
 from cases import CASES, Case
-from test_environments import SLACK, cost, episode, inside
+from test_environments import PATHS, SLACK, cost, episode, inside
 
 DISTRIBUTION = {"gym_aloha": "gym-aloha", "gymnasium_robotics": "gymnasium-robotics", "dm_control": "dm-control"}
 
@@ -22,7 +25,7 @@ def row(case: Case) -> str:
     if "camera" in case.moves:
         moved.append(f"camera {np.degrees(np.ptp(one.angle)):.0f}°")
     kept = inside(one.put, case.moves["within"], 1e-9) and inside(one.object[:30], case.moves["within"], SLACK)
-    same = all(np.array_equal(getattr(one, name), getattr(again, name)) for name in ("object", "put", "target", "angle"))
+    same = all(np.array_equal(getattr(one, name), getattr(again, name)) for name in PATHS)
     spent = cost(case)
     name = DISTRIBUTION.get(case.package, case.package)
     return (f"| {name} {version(name)} | {case.name.removeprefix('gym_aloha/').removeprefix('dm_control/')} | "

@@ -10,6 +10,7 @@ from cases import CASES, Case
 
 from move.sim.motion.wrappers import Motion, scene_of
 
+PATHS = ("object", "put", "target", "angle")  # what a seed repeats
 SLACK = 0.01  # metres that physics may add within a step to where a motion put something
 
 
@@ -73,7 +74,7 @@ def test_what_was_named_moves_and_stays_inside(case, tried):
 
 
 def test_the_same_seed_gives_the_same_path(tried):
-    for name in ("object", "put", "target", "angle"):
+    for name in PATHS:
         assert np.array_equal(getattr(tried.first, name), getattr(tried.again, name)), name
 
 

@@ -77,7 +77,7 @@ def mover(model: mujoco.MjModel, data: mujoco.MjData, what: str, name: str, with
         return Placed(data.mocap_pos[mocap], data.mocap_quat[mocap], where)
     carrier = int(model.body_parentid[body]) if kind == "body" else body
     if not stands(model, carrier):
-        free = [model.body(each).name for each in range(1, model.nbody) if stands(model, int(model.body_parentid[each]))]
+        free = (model.body(each).name for each in range(1, model.nbody) if stands(model, model.body_parentid[each]))
         raise BadInput(f"{what}: {name!r} given, which {model.body(carrier).name!r} carries; allowed are {KINDS}: "
                        f"{', '.join(filter(None, free))}")
     if kind == "site":
@@ -129,14 +129,15 @@ class SlidingBody:
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, joints: list[int], axes: np.ndarray,
                  where: np.ndarray) -> None:
         self.where, self.start, self.positions, self.speeds = where, where.copy(), data.qpos, data.qvel
-        self.origin, self.slides = where.tolist(), [
-            (int(model.jnt_qposadr[joint]), int(model.jnt_dofadr[joint]), float(data.qpos[model.jnt_qposadr[joint]]), *row)
-            for joint, row in zip(joints, np.linalg.pinv(axes).tolist(), strict=True)]
+        at = model.jnt_qposadr[joints]
+        self.origin, self.slides = where.tolist(), list(zip(
+            at.tolist(), model.jnt_dofadr[joints].tolist(), data.qpos[at].tolist(), np.linalg.pinv(axes).tolist(),
+            strict=True))  # of each joint: its addresses, its position at the start, what a metre along x, y, z adds
 
     def put(self, position: Vector | np.ndarray, yaw: float) -> None:
         """Put it there."""
         dx, dy, dz = (there - begun for there, begun in zip(position, self.origin, strict=True))
-        for at, speed, zero, along_x, along_y, along_z in self.slides:
+        for at, speed, zero, (along_x, along_y, along_z) in self.slides:
             self.positions[at] = zero + along_x * dx + along_y * dy + along_z * dz
             self.speeds[speed] = 0.0
 
