@@ -244,6 +244,7 @@ def test_lifting_ends_the_pick_phase_and_so_does_a_touch(phase, height):
     ({"clearance": -0.1}, "clearance: -0.1 given; input should be greater"),
     ({"object_steps": 0}, "object_steps: 0 given"),
     ({"camera_range": (0.1, 0.2), "camera": "front"}, "camera_range: .* at most 0 and at least 0"),
+    ({"yaw_range": 1.0}, "yaw_range: 1.0 given; allowed are two numbers"),
     ({"object_sped": 0.1}, "moving: 'object_sped' given; allowed are object_speed"),
     ({"object_speed": -1.0}, "object_speed: -1.0 given"),
     ({"camera_speed": 0.1}, "camera_speed: given, and no camera moves; allowed with camera"),
