@@ -75,8 +75,9 @@ def moving(
         optional = {"target_range": _box("target_within", target_within), "target_dimensions": len(target_within[0])}
     space = build(Space, object=object, object_range=plane, target=target, goal=goal, camera=camera,
                   camera_range=_pair("camera_range", camera_range),
-                  camera_around=_pair("camera_around", camera_around or plane.centre[:2]), yaw_range=yaws, clearance=clearance, freeze_distance=freeze_distance,
-                  object_steps=object_steps, target_steps=target_steps, **optional)
+                  camera_around=_pair("camera_around", camera_around or plane.centre[:2]), yaw_range=yaws,
+                  clearance=clearance, freeze_distance=freeze_distance, object_steps=object_steps,
+                  target_steps=target_steps, **optional)
     moved = with_motions(MujocoScene(env, space, phase), chosen, "all")
     return gymnasium.wrappers.OrderEnforcing(moved, disable_render_order_enforcing=True)
 
