@@ -97,7 +97,7 @@ CASES = (
         "object": "cubeA_main", "within": ((-0.2, -0.2), (0.2, 0.2)), "target": "cubeB_main",
         "target_within": ((-0.2, -0.2), (0.2, 0.2)), "camera": "agentview", "yaw_range": (-3.0, 3.0)}, episodes=2),
     Case(gym_aloha, "gym_aloha/AlohaTransferCube-v0", {
-        "object": "box", "within": ((-0.05, 0.35), (0.25, 0.65)), "camera": "top"}, steps=40, episodes=2),
+        "object": "box", "within": ((-0.05, 0.35), (0.25, 0.65)), "camera": "top"}, steps=16, episodes=2),
     Case(metaworld, "sweep-v3", {
         "object": "obj", "within": ((-0.2, 0.5), (0.2, 0.8)), "target": "goal",
         "target_within": ((0.3, 0.5), (0.7, 0.8)), "goal": "_target_pos", "camera": "corner2"}),
