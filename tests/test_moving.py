@@ -1,9 +1,11 @@
 """`move.moving`: the paper's motions around MuJoCo environments of others, and around a model of every kind of body."""
 
 import math
+import re
 import subprocess
 import sys
 import warnings
+from pathlib import Path
 
 import gymnasium
 import mujoco
@@ -12,7 +14,11 @@ import pytest
 from gymnasium.spaces import Box as BoxSpace
 
 import move
+from move import paths
 from move.errors import BadInput
+from move.exchange.export import export
+from move.learn import dataset
+from move.sim.demonstrations import Demonstrations
 from move.sim.motion import equations
 from move.sim.motion.wrappers import scene_of
 from move.sim.scene.mujoco_scene import lifted, touched
@@ -31,7 +37,8 @@ MODEL = """
     <body name="stand" pos="-.2 -.2 0" euler="0 0 90">
       <site name="spot" pos=".1 0 .1"/><body name="board" pos=".05 0 .02"><geom type="box" size=".01 .01 .01"/></body>
       <camera name="side" pos="0 .5 .5"/></body>
-    <body name="hand" pos="0 0 .5"><joint name="down" type="slide" axis="0 0 1" damping="50"/><geom type="sphere" size=".03"/>
+    <body name="hand" pos="0 0 .5">
+      <joint name="down" type="slide" axis="0 0 1" damping="50"/><geom type="sphere" size=".03"/>
       <body name="finger" pos="0 0 -.05"><geom type="sphere" size=".01"/><site name="tip"/><camera name="wrist"/></body>
     </body>
   </worldbody>
@@ -220,7 +227,7 @@ def test_lifting_ends_the_pick_phase_and_so_does_a_touch(phase, height):
 
 
 @pytest.mark.parametrize("chosen, message", [
-    ({"object": "ball"}, "object: 'ball' given; allowed are cube, puck, rail, mark, stand, board, hand, finger, spot, tip"),
+    ({"object": "ball"}, "object: 'ball' given; allowed are cube, puck, rail, mark, stand, board, hand, .*, spot, tip"),
     ({"object": "site:cube"}, "object: 'site:cube' given; allowed are spot, tip"),
     ({"object": "finger"}, "object: 'finger' given, which 'hand' carries; allowed are .*: cube, puck"),
     ({"object": "tip"}, "object: 'tip' given, which 'finger' carries"),
@@ -237,6 +244,7 @@ def test_lifting_ends_the_pick_phase_and_so_does_a_touch(phase, height):
     ({"clearance": -0.1}, "clearance: -0.1 given; input should be greater"),
     ({"object_steps": 0}, "object_steps: 0 given"),
     ({"camera_range": (0.1, 0.2), "camera": "front"}, "camera_range: .* at most 0 and at least 0"),
+    ({"yaw_range": 1.0}, "yaw_range: 1.0 given; allowed are two numbers"),
     ({"object_sped": 0.1}, "moving: 'object_sped' given; allowed are object_speed"),
     ({"object_speed": -1.0}, "object_speed: -1.0 given"),
     ({"camera_speed": 0.1}, "camera_speed: given, and no camera moves; allowed with camera"),
@@ -290,3 +298,20 @@ def test_a_metaworld_task_outside_the_ten_moves_with_its_goal():
     assert 0.05 < np.ptp(seen[:30, :2], axis=0).max() and angle != 0
     assert not np.allclose(bare._target_pos, env.env.start.target_position)
     assert bare.model.site("goal").pos == pytest.approx(bare._target_pos)
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_the_how_to_pages_lines_collect_and_export(tmp_path, monkeypatch):
+    """With an expert that does nothing and an environment that judges nothing: whole episodes, all kept."""
+    page = (paths.ROOT / "docs/how-to/put_your_own_scene_in_motion.md").read_text(encoding="utf-8")
+    lines = re.findall(r"```python\n(.*?)```", page, flags=re.S)[-1]
+    monkeypatch.chdir(tmp_path)
+    Path("build").mkdir()
+    env = around(gymnasium.make("Pusher-v5"), object="object", within=((0.1, -0.6), (0.8, 0.3)))
+    exec(lines, {"env": env, "attempts": 2, "expert": lambda seen, phase: np.zeros(7), "gymnasium": gymnasium,
+                 "np": np, "Path": Path, "Demonstrations": Demonstrations, "dataset": dataset, "export": export})
+    demonstrations, _ = dataset.load(tmp_path / "build/mine.zarr")
+    assert demonstrations.lengths.tolist() == [100, 100] and demonstrations.observations.shape == (200, 23)
+    puck = demonstrations.observations[:100, 17:19]  # x and y
+    assert 0.02 < np.abs(np.diff(puck[:30], axis=0)).sum() and np.ptp(puck[31:], axis=0).max() < 1e-3
+    assert (tmp_path / "build/mine_lerobot/meta/info.json").exists()

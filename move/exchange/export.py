@@ -152,14 +152,15 @@ def write_lerobot(demonstrations: Demonstrations, folder: Path, attributes: dict
     columns = {name: vectors(values) if values.ndim == 2 else pa.array(values) for name, values in numbers.items()}
     pq.write_table(pa.table(columns), folder / DATA.format(**FIRST))
     pq.write_table(pa.Table.from_pylist(_episode_rows(demonstrations, episodes, origin)), folder / EPISODES)
-    pd.DataFrame({"task_index": [0]}, index=pd.Index([origin.task], name="task")).to_parquet(folder / "meta/tasks.parquet")
+    tasks = pd.DataFrame({"task_index": [0]}, index=pd.Index([origin.task], name="task"))
+    tasks.to_parquet(folder / "meta/tasks.parquet")
     for name, content in (("info", _info(demonstrations, origin)), ("stats", pooled_stats(episodes)),
                           ("move", attributes)):
         (folder / f"meta/{name}.json").write_text(json.dumps(content, indent=1) + "\n")
     if demonstrations.has_images:
         images = demonstrations.observations
-        write_video(folder / VIDEO.format(video_key=CAMERA, **FIRST), images, images.shape[1:3], origin.fps, PIXEL_FORMAT,
-                    VIDEO_OPTIONS)
+        write_video(folder / VIDEO.format(video_key=CAMERA, **FIRST), images, images.shape[1:3], origin.fps,
+                    PIXEL_FORMAT, VIDEO_OPTIONS)
 
 
 def _numbers(demonstrations: Demonstrations, fps: int) -> dict[str, np.ndarray]:

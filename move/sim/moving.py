@@ -28,7 +28,7 @@ def moving(
     object_steps: int = 30, target_steps: int = 200, phase: Callable[[MujocoScene], bool] = lifted,
     **motions: float | str,
 ) -> gymnasium.Env:
-    """`env` with the paper's motions around it: the object moves until it is grasped, the target after, the camera always.
+    """`env` with the paper's motions: the object moves until it is grasped, the target from then on, the camera always.
 
     Each episode draws speeds and directions anew (equations 1 to 3) and starts where `env` starts it. The actions, the
     observations and the rewards stay those of `env`; `info` gets "phase", which is "pick" or "place". The same
@@ -67,18 +67,27 @@ def moving(
         raise BadInput("target, target_within: one of them given; allowed are both or neither")
     if goal is not None and target is None:
         raise BadInput(f"goal: {goal!r} given without a target, which marks it; allowed is a goal with a target")
-    moves = {"target": target is not None, "camera": camera is not None, "rotation": tuple(yaw_range) != (0.0, 0.0)}
+    plane, yaws = _box("within", within, (2,)), _pair("yaw_range", yaw_range)
+    moves = {"target": target is not None, "camera": camera is not None, "rotation": yaws != (0.0, 0.0)}
     chosen = _motions(motions, {part for part in NEEDED if not moves[part]})
     optional: dict[str, Any] = {}
     if target_within is not None:
         optional = {"target_range": _box("target_within", target_within), "target_dimensions": len(target_within[0])}
-    plane = _box("within", within, (2,))
     space = build(Space, object=object, object_range=plane, target=target, goal=goal, camera=camera,
-                  camera_range=tuple(camera_range), camera_around=tuple(camera_around or plane.centre[:2]),
-                  yaw_range=tuple(yaw_range), clearance=clearance, freeze_distance=freeze_distance,
-                  object_steps=object_steps, target_steps=target_steps, **optional)
+                  camera_range=_pair("camera_range", camera_range),
+                  camera_around=_pair("camera_around", camera_around or plane.centre[:2]), yaw_range=yaws,
+                  clearance=clearance, freeze_distance=freeze_distance, object_steps=object_steps,
+                  target_steps=target_steps, **optional)
     moved = with_motions(MujocoScene(env, space, phase), chosen, "all")
     return gymnasium.wrappers.OrderEnforcing(moved, disable_render_order_enforcing=True)
+
+
+def _pair(what: str, numbers: Sequence[float]) -> Range:
+    try:
+        low, high = map(float, numbers)
+    except (TypeError, ValueError) as error:
+        raise BadInput(f"{what}: {numbers!r} given; allowed are two numbers") from error
+    return low, high
 
 
 def _motions(chosen: dict[str, float | str], still: set[Part]) -> Motions:

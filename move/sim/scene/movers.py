@@ -77,7 +77,7 @@ def mover(model: mujoco.MjModel, data: mujoco.MjData, what: str, name: str, with
         return Placed(data.mocap_pos[mocap], data.mocap_quat[mocap], where)
     carrier = int(model.body_parentid[body]) if kind == "body" else body
     if not stands(model, carrier):
-        free = [model.body(each).name for each in range(1, model.nbody) if stands(model, int(model.body_parentid[each]))]
+        free = (model.body(each).name for each in range(1, model.nbody) if stands(model, model.body_parentid[each]))
         raise BadInput(f"{what}: {name!r} given, which {model.body(carrier).name!r} carries; allowed are {KINDS}: "
                        f"{', '.join(filter(None, free))}")
     if kind == "site":
@@ -129,14 +129,15 @@ class SlidingBody:
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, joints: list[int], axes: np.ndarray,
                  where: np.ndarray) -> None:
         self.where, self.start, self.positions, self.speeds = where, where.copy(), data.qpos, data.qvel
-        self.origin, self.slides = where.tolist(), [
-            (int(model.jnt_qposadr[joint]), int(model.jnt_dofadr[joint]), float(data.qpos[model.jnt_qposadr[joint]]), *row)
-            for joint, row in zip(joints, np.linalg.pinv(axes).tolist(), strict=True)]
+        at = model.jnt_qposadr[joints]
+        self.origin, self.slides = where.tolist(), list(zip(
+            at.tolist(), model.jnt_dofadr[joints].tolist(), data.qpos[at].tolist(), np.linalg.pinv(axes).tolist(),
+            strict=True))  # of each joint: its addresses, its position at the start, what a metre along x, y, z adds
 
     def put(self, position: Vector | np.ndarray, yaw: float) -> None:
         """Put it there."""
         dx, dy, dz = (there - begun for there, begun in zip(position, self.origin, strict=True))
-        for at, speed, zero, along_x, along_y, along_z in self.slides:
+        for at, speed, zero, (along_x, along_y, along_z) in self.slides:
             self.positions[at] = zero + along_x * dx + along_y * dy + along_z * dz
             self.speeds[speed] = 0.0
 
@@ -157,18 +158,20 @@ class Placed:
     def __init__(self, place: np.ndarray, quaternion: np.ndarray, where: np.ndarray, frame: Frame | None = None
                  ) -> None:
         self.place, self.quaternion, self.where = place, quaternion, where
-        self.frame = frame or (np.zeros(3), np.eye(3), np.array([1.0, 0.0, 0.0, 0.0]))
-        self.start, self.first = where.copy(), (place.copy(), quaternion.copy())
+        origin, axes, facing = frame or (np.zeros(3), np.eye(3), np.array([1.0, 0.0, 0.0, 0.0]))
+        self.start, self.first, self.axes = where.copy(), (place.copy(), quaternion.copy()), axes.T.copy()
+        self.offset = self.axes @ origin
+        back, up = np.empty(4), np.empty(4)  # the frame's inverse, and the start turned half around
+        mujoco.mju_negQuat(back, facing)
+        mujoco.mju_mulQuat(up, facing, quaternion)
+        self.across = np.empty(4)
+        mujoco.mju_mulQuat(self.across, back, turned(up, math.pi))
 
     def put(self, position: Vector | np.ndarray, yaw: float) -> None:
         """Put it there."""
-        origin, axes, facing = self.frame
-        self.place[:] = axes.T @ (position - origin)
-        if yaw:
-            back, seen = np.empty(4), np.empty(4)
-            mujoco.mju_negQuat(back, facing)
-            mujoco.mju_mulQuat(seen, facing, self.first[1])
-            mujoco.mju_mulQuat(self.quaternion, back, turned(seen, yaw))
+        self.place[:] = self.axes @ position - self.offset
+        if yaw:  # a turn's quaternion is linear in the cosine and the sine of half its angle
+            self.quaternion[:] = math.cos(yaw / 2) * self.first[1] + math.sin(yaw / 2) * self.across
 
     def put_back(self) -> None:
         """Write what stood there when the episode began."""
@@ -196,13 +199,14 @@ class Camera:
         view = model.camera(name)
         frame = frame_of(data, int(view.bodyid[0]))
         self.placed = Placed(view.pos, view.quat, frame[0] + frame[1] @ view.pos, frame)
-        self.axis = np.array([*around, 0.0])
+        x, y, self.height = self.placed.start.tolist()
+        self.axis, self.away = around, (x - around[0], y - around[1])
 
     def put(self, angle: float) -> None:
         """Put it at `angle` (radians) from where the environment has it."""
         cos, sin = math.cos(angle), math.sin(angle)
-        x, y, z = self.placed.start - self.axis
-        self.placed.put(self.axis + (cos * x - sin * y, sin * x + cos * y, z), angle)
+        (x, y), (away_x, away_y) = self.axis, self.away
+        self.placed.put((x + cos * away_x - sin * away_y, y + sin * away_x + cos * away_y, self.height), angle)
 
     def put_back(self) -> None:
         """Write what the model held when the episode began."""

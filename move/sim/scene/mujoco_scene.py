@@ -185,8 +185,8 @@ class MujocoScene(gymnasium.Wrapper):
         """Where the environment itself has the target."""
         goal: Any = getattr(self.unwrapped, str(self.task.goal), None)
         if np.shape(goal) != (3,):
-            raise BadInput(f"goal: {self.task.goal!r} given; allowed is an attribute of {type(self.unwrapped).__name__} "
-                           "that holds 3 numbers")
+            raise BadInput(f"goal: {self.task.goal!r} given; allowed is an attribute of "
+                           f"{type(self.unwrapped).__name__} that holds 3 numbers")
         return np.asarray(goal, float)
 
     def step(self, action: Any) -> tuple[Any, SupportsFloat, bool, bool, dict[str, Any]]:
