@@ -213,7 +213,7 @@ def test_figure_2_counts_demonstrations_and_the_cells_that_they_visit(tmp_path):
     static, adc, move = counted["static"], counted["adc"], counted["move"]
     assert f"MOVE's {move[0]}, static's {static[0]} and ADC's {adc[0]} demonstrations" in answer
     for place, part in enumerate(("object", "target", "camera"), 1):
-        assert f"the {part} in **{move[place]:.0%}**, {static[place]:.0%} and {adc[place]:.0%}" in answer
+        assert f"the {part}'s **{move[place]:.0%}**, {static[place]:.0%} and {adc[place]:.0%}" in answer
 
 
 def test_every_shipped_file_of_a_figure_has_words():

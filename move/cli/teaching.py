@@ -15,7 +15,7 @@ from move.cli.output import progress, show
 @app.command(epilog=examples("move mark handed_in", "move mark handed_in --minutes 3 --json"))
 def mark(
     folder: Annotated[str, typer.Argument(help="tutorial notebooks that students handed in, in any subfolders")],
-    minutes: Annotated[float, typer.Option(min=0.1, max=600, help="that one notebook may take")] = 10,
+    minutes: Annotated[float, typer.Option(min=0.1, max=600, help="of computing that one notebook may take")] = 10,
     as_json: Json = False,
 ) -> None:
     """Run handed-in tutorials (their code, each in a process of its own) and show what their checks say."""

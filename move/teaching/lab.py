@@ -24,7 +24,7 @@ def without_outputs(model: dict[str, Any], path: str, contents_manager: Any = No
         model: as a contents manager has it, with the notebook in `content`; it is changed.
         path: below the folder that JupyterLab shows.
     """
-    content = model.get("content")
+    content = model.get("content") or {}
     if model.get("type") != "notebook" or not path.lstrip("/").startswith(FOLDER) or content.get("nbformat") != 4:
         return
     kept = strip_output(nbformat.from_dict(content), keep_output=False, keep_count=False, keep_id=True)

@@ -10,8 +10,10 @@ main          in the process of one notebook: execute its cells, note each verdi
 from __future__ import annotations
 
 import json
+import math
 import os
 import re
+import resource
 import signal
 import subprocess
 import sys
@@ -25,7 +27,8 @@ from typing import Any
 from move import paths
 from move.errors import BadInput
 
-MINUTES = 10.0  # that one notebook may take once everything is imported
+MINUTES = 10.0  # of computing, one core, that one notebook may take once everything is imported
+BY_THE_CLOCK, TO_END = 4, 60  # so many times as long by the clock, and so many seconds more
 TO_START, LOOKS = 600, 0.2  # seconds to import everything, and between looks whether that is done
 SMALL: dict[str, dict[str, Any]] = {
     "1_a_scene_that_moves": {"demonstrations": 3, "timesteps": 200, "image_size": 48},
@@ -69,7 +72,8 @@ def _marked(path: Path, minutes: float) -> dict[str, Any]:
     asked = _numbers(name)
     with tempfile.TemporaryDirectory(prefix="move-mark-") as scratch:
         job, said = Path(scratch, "job.json"), Path(scratch, "verdicts.json")
-        job.write_text(json.dumps({"cells": cells, "parameters": SMALL[name]}), encoding="utf-8")
+        content = {"cells": cells, "parameters": SMALL[name], "seconds": 60 * minutes}
+        job.write_text(json.dumps(content), encoding="utf-8")
         remark = _run([sys.executable, "-m", __name__, str(job), str(said)], Path(scratch), 60 * minutes, said)
         found = _verdicts(said)
     exercises = {number: found.get("verdicts", {}).get(number, "not reached") for number in asked}
@@ -110,6 +114,9 @@ def _numbers(name: str) -> list[str]:
 
 def _run(command: list[str], folder: Path, seconds: float, ready: Path) -> str:
     """Run a process in a session of its own; what stopped it, else "". Its time begins when the file `ready` is there.
+
+    Args:
+        seconds: of computing, which the process limits itself, and with a margin by the clock.
     """
     environment = os.environ | {"MPLBACKEND": "Agg", "OMP_NUM_THREADS": "1",
                                 "PYTHONPATH": str(Path(__file__).parents[2])}
@@ -119,10 +126,12 @@ def _run(command: list[str], folder: Path, seconds: float, ready: Path) -> str:
         end = time.monotonic() + TO_START
         while process.poll() is None and not ready.exists() and time.monotonic() < end:
             time.sleep(LOOKS)
-        code = process.wait(seconds)
-        return "" if code == 0 else f"its process ended with {code}"
+        code = process.wait(BY_THE_CLOCK * seconds + TO_END)
+        if code != -signal.SIGXCPU:
+            return "" if code == 0 else f"its process ended with {code}"
+        return f"stopped after {seconds / 60:g} minutes of computing"
     except subprocess.TimeoutExpired:
-        return f"stopped after {seconds / 60:g} minutes"
+        return f"stopped after {(BY_THE_CLOCK * seconds + TO_END) / 60:g} minutes"
     finally:
         _end_group(process.pid)
         process.wait()
@@ -170,6 +179,8 @@ def main(job: Path, said: Path) -> None:
     exercises.check = noted
     shell = InteractiveShell.instance()
     write()  # from now on its time runs
+    limit = math.ceil(time.process_time() + content["seconds"])
+    resource.setrlimit(resource.RLIMIT_CPU, (limit, limit + TO_END))
     for place, source in enumerate(_with_parameters(content["cells"], content["parameters"])):
         done = shell.run_cell(source)
         if not done.success and not stopped:
