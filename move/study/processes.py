@@ -26,7 +26,7 @@ from move.machine import load_gl, one_thread_in_children
 from move.study.provenance import deciding, difference
 from move.study.spec import RunSpec
 
-METHOD = get_context("forkserver" if sys.platform == "linux" else "spawn")
+METHOD = get_context("forkserver") if sys.platform == "linux" else get_context("spawn")
 METHOD.set_forkserver_preload(["move.study.preloaded"])
 
 
