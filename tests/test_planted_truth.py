@@ -566,7 +566,7 @@ def tried(world: World, hand: str, observation: str = "rgb") -> distance.Tries:
         rows = pd.DataFrame(result.rows).query("group == 'grid'")
         seen = visited(result.spec.collection, False)[["object_x", "object_y"]].drop_duplicates().to_numpy(np.float32)
         apart = np.linalg.norm(rows[["object_x", "object_y"]].to_numpy()[:, None] - seen[None].astype(float), axis=2)
-        figure = {"sparse": 1, "random": 3, "dense": 3, "circle": 5}[result.spec.collection.protocol]
+        figure = {"sparse": 1, "dense": 3, "circle": 5}[result.spec.collection.protocol]
         name = f"figure {figure}, {result.spec.method}"
         labels = (result.spec.hash, name, name, float(result.spec.method == "move"), 1.0)
         parts.append((apart.min(axis=1), rows.success.to_numpy(), *(np.full(len(rows), each) for each in labels)))
@@ -587,10 +587,10 @@ def test_success_by_distance_is_fitted_to_what_was_planted_and_each_cell_predict
         assert (row["predicted"], row["without"]) == pytest.approx(expected, abs=3e-3)
         beyond = (curve.scaled(tries.apart[tries.cell == held.cell[place]]) > 1).mean()
         assert row["beyond"] == pytest.approx(beyond, abs=0.01)
-    found = {name: world.table(f"radius_{name}").query("setting == @setting and observation == 'rgb'")
-             for name in ("radii", "leads")}
-    assert found["radii"].radius.item() == pytest.approx(curve.radii[0], rel=0.02)
-    leads = found["leads"].set_index("compared").difference
+    radii, leads = (table[(table.setting == setting) & (table.observation == "rgb")]
+                    for table in (world.table("radius_radii"), world.table("radius_leads")))
+    assert radii.radius.item() == pytest.approx(curve.radii[0], rel=0.02)
+    leads = leads.set_index("compared").difference
     whole = tries.success[tries.move == 1].mean() - tries.success[tries.move == 0].mean()
     assert leads["all places"] == pytest.approx(whole, abs=ROUNDED)
     equal = distance.at_equal_distance(tries.success, tries.move, distance.strata(tries, curve))

@@ -281,7 +281,8 @@ def findings_over_tasks(tries: Tries, found: HeldOut, curve: Curve) -> list[Find
     errors, without = (np.array([np.abs(each - found.rate)[found.group == task].mean() for task in tasks])
                        for each in (found.predicted, found.without))
     places = np.arange(len(tasks))
-    share, low, high = jackknife(places, lambda mask: errors[mask].mean() / max(without[mask].mean(), 1e-9))
+    share, low, high = map(float, jackknife(
+        places, lambda mask: errors[mask].mean() / max(without[mask].mean(), 1e-9)))
     return [_below(ERROR, *_mean(errors), LARGEST_ERROR),
             _below(SHARE, share, low, high, LARGEST_SHARE),
             Finding(EQUAL, *lead_over_tasks(tries, strata(tries, curve)), -SAME, SAME)]
