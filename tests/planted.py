@@ -283,7 +283,9 @@ def visited(collection: Any, turned: bool) -> pd.DataFrame:
         for axis, place in enumerate((cells % 10, cells // 10)):
             low, high = box.low[axis], box.high[axis]
             columns[f"{part}_{'xy'[axis]}"] = low + (high - low) * (place + 0.5) / 10
-    return pd.DataFrame(columns)
+    hand = {f"hand_{axis}": np.linspace(low, high, len(steps))
+            for axis, low, high in zip("xyz", task.hand_range.low, task.hand_range.high, strict=True)}
+    return pd.DataFrame({**columns, **hand, "target_z": task.target_range.low[2], "object_yaw": task.yaw_range[0]})
 
 
 def _cells(steps: np.ndarray, share: float, low: float, high: float, count: int) -> np.ndarray:

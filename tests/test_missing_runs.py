@@ -15,7 +15,7 @@ from move.figures.page.parameters import specs, with_runs  # noqa: E402
 from move.study.profiles import Profile, load_profile  # noqa: E402
 
 LAPTOP = load_profile("laptop")
-SLOW = {"fig_coverage"}  # collects anew what its policies learnt from: only its words are tried here
+SLOW = {"fig_coverage", "radius"}  # collect anew what their policies learnt from: only words are tried here
 WITH_RUNS = with_runs()
 READING = [name for name in (*WITH_RUNS, "claims") if name not in SLOW]
 

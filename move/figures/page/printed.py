@@ -119,12 +119,15 @@ COLUMNS: dict[str, tuple[str, Cell]] = {
     "verdict": ("Verdict", str), "number": ("No.", str), "claim": ("Claim", str),
     "first": ("First", str), "second": ("Second", str), "fisher": ("p, Fisher", _probability),
     "barnard": ("p, Barnard", _probability), "base": ("Base (%)", _percent), "trials": ("Trials", _count),
+    "predicted": ("Predicted (%)", _percent), "without": ("Without distances (%)", _percent),
+    "beyond": ("Beyond the radius (%)", _percent),
     "detectable_rise": ("Found rise (points)", _points), "rate_needed": ("Rate needed (%)", _percent),
 }
 """A column's heading and how its cells are written; another column is shown as it is."""
 
 INTERVALS = {"value": ("low", "high"), "difference": ("low", "high"), "ratio": ("low", "high"), "rate": ("low", "high"),
              "generation_rate": ("low", "high"), "mean_difference": ("low", "high"),
+             "estimate": ("low", "high"), "radius": ("low", "high"),
              "gain": ("gain_low", "gain_high"), "effect": ("effect_low", "effect_high"),
              "improvement": ("improvement_low", "improvement_high"),
              "iqm_difference": ("iqm_low", "iqm_high")}

@@ -6,6 +6,7 @@ whose value is NaN is drawn as missing. Maps and frames are in `move.figures.plo
 axes     what they share: per cent, points, ticks
 bars     rates, groups of them, ladders, costs
 curves   over budgets, speeds, lengths of training, seeds
+distance success by distance, predicted rates
 points   differences, claims, factors, tasks side by side, coverage
 """
 
