@@ -12,6 +12,7 @@ import os
 import pkgutil
 import shutil
 import sys
+import tempfile
 import time
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -29,6 +30,7 @@ import move
 from move import paths
 from move.figures import names, owner
 from move.figures.page import captions, changes, kernels, parameters
+from move.files import written_aside
 from move.study.profiles import load_profile
 from move.study.results import Result, split
 
@@ -60,10 +62,10 @@ def main() -> None:
         (SOURCE / f"{page}.md").write_text(repository_page(REPOSITORY_PAGES[page]))
     rooms = list(api_pages())
     (SOURCE / "index.md").write_text(start_page(list(executed), documents, rooms))
-    shutil.rmtree(SITE, ignore_errors=True)
-    if build_main(["-q", "-b", "html", "-c", str(DOCS), "-d", str(paths.BUILD / "site-doctrees"),
-                   "-D", f"html_static_path={SOURCE / '_static'}", str(SOURCE), str(SITE)]):
-        sys.exit("make_site: Sphinx found an error; see above")
+    with tempfile.TemporaryDirectory() as doctrees, written_aside(SITE) as site:
+        if build_main(["-q", "-b", "html", "-c", str(DOCS), "-d", doctrees,
+                       "-D", f"html_static_path={SOURCE / '_static'}", str(SOURCE), str(site)]):
+            sys.exit("make_site: Sphinx found an error; see above")
     size = sum(path.stat().st_size for path in SITE.rglob("*") if path.is_file()) / 1e6
     sys.stdout.write(f"{SITE / 'index.html'}: {size:.1f} MB, {time.monotonic() - began:.0f} s\n")
 
@@ -80,14 +82,22 @@ def listed() -> list[Path]:
 def executed_copy(path: Path) -> NotebookNode:
     """A notebook with its outputs: as `move figure` left it, or executed now, from stored results alone."""
     left = paths.BUILD / "notebooks" / PROFILE.name / path.name
-    if left.exists() and is_of_today(nbformat.read(left, 4), nbformat.read(path, 4)):
-        return nbformat.read(left, 4)
+    if left.exists() and (found := read_copy(left)) and is_of_today(found, nbformat.read(path, 4)):
+        return found
     sys.stdout.write(f"make_site: executing {path.stem} ...\n")
     made = paths.BUILD / "site-notebooks" / path.name
     made.parent.mkdir(parents=True, exist_ok=True)
     given = {} if path.parent == TUTORIAL else parameters.parameters(path.stem, PROFILE)
     return papermill.execute_notebook(path, made, given, kernel_name="python3", progress_bar=False, cwd=path.parent,
                                       execution_timeout=CELL_SECONDS)
+
+
+def read_copy(path: Path) -> NotebookNode | None:
+    """A notebook that was left; None where it is damaged."""
+    try:
+        return nbformat.read(path, 4)
+    except (ValueError, AttributeError, nbformat.ValidationError):
+        return None
 
 
 def is_of_today(executed: NotebookNode, notebook: NotebookNode) -> bool:
