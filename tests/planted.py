@@ -14,6 +14,7 @@ import math
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from importlib.metadata import version
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -38,6 +39,7 @@ from move.sim.motion.wrappers import Motions, movable
 from move.sim.tasks import get_task
 from move.study.labels import distinct
 from move.study.profiles import load_profile
+from move.study.provenance import DECIDING
 from move.study.results import Result, store
 from move.study.spec import CollectionRun, ControlRun, PolicyRun, RunSpec
 
@@ -262,7 +264,8 @@ def planted_result(spec: RunSpec, turned: bool) -> Result:
         training = {"curve": [[last // 2, 0.5], [last, drawn % 900 / 10_000 + 0.01]], "seconds": spent,
                     "precision": "bfloat16", "parameters": 1000}
         seconds |= {"collect": 10.0 + drawn % 40, "train": spent}
-    machine = {"versions": {}, "python": "3.11", "processor": "planted", "cores": 2, "gl_renderer": "none",
+    here = {name: version(name) for name in DECIDING}
+    machine = {"versions": here, "python": "3.11", "processor": "planted", "cores": 2, "gl_renderer": "none",
                "commit": "planted", "peak_memory_mb": 1}
     return Result(spec, rows, made, training, seconds, machine)
 

@@ -339,6 +339,7 @@ def test_the_ledger_for_other_programs_is_the_table_with_its_schema_and_the_clai
     ledger.save_json(decided, tmp_path)
     for name in ("claims.schema.json",):
         assert (tmp_path / name).read_text() == (LAPTOP.figures / name).read_text()
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["claims.json", "claims.schema.json"]
     with pytest.raises(ValidationError):
         ledger.Ledger.model_validate(shipped | {"more": 1})
 

@@ -2,6 +2,7 @@
 
 import json
 import re
+from importlib.metadata import version
 
 import numpy as np
 import pytest
@@ -12,13 +13,16 @@ from move.figures.page import parameters
 from move.statistics.estimates import difference
 from move.study import compare, results
 from move.study.profiles import load_profile
+from move.study.provenance import DECIDING
+
+HERE = {name: version(name) for name in DECIDING}
 
 
 def printed(successes, task="push", **changes):
     """What `move evaluate --json` prints."""
     rows = [{"trial": number, "group": "random", "object_x": number / 7, "object_y": 0.5, "success": bool(success),
              "steps": 9} for number, success in enumerate(successes)]
-    return {"agent": "policy", "task": task, "rows": rows} | changes
+    return {"agent": "policy", "task": task, "rows": rows, "provenance": {"versions": HERE}} | changes
 
 
 @pytest.fixture
@@ -68,6 +72,40 @@ def test_two_stored_runs_by_their_hashes_and_a_run_with_itself(capsys):
     assert code == 0 and "0.0 points" in out
 
 
+@pytest.mark.parametrize("made, said", [
+    (HERE, []), (HERE | {"torch": f"{HERE['torch'].split('+')[0]}+cu130"}, []),
+    (HERE | {"mujoco": "2.3.7"}, ["1 run with mujoco 2.3.7"]),
+    ({name: HERE[name] for name in DECIDING if name != "numpy"}, ["1 run with numpy unknown"]),
+    ({}, ["1 run with versions that were not recorded"])])
+def test_evaluations_of_other_versions_are_named(capsys, files, made, said):
+    other = printed([1, 0, 1, 1], provenance={"versions": made, "source": "x"})
+    code, out, _ = move(capsys, "compare", *files(printed([1, 0, 1, 0]), other), "--json")
+    assert code == 0 and json.loads(out)["other_versions"] == said
+    code, out, _ = move(capsys, "compare", *files(printed([1, 0, 1, 0]), other))
+    assert ("; other versions than here computed" in out) == bool(said) and all(one in out for one in said)
+
+
+def test_a_stored_run_of_other_versions_is_named(capsys, tmp_path):
+    profile = load_profile("laptop")
+    specs = [run.spec for run in parameters.runs("table2_main", profile) if run.spec.task == "push"][:2]
+    made = [results.load(spec, profile.results) for spec in specs]
+    made[1].provenance["versions"] |= {"metaworld": "3.0.0", "numpy": "1.26.4"}
+    found = compare.compare(*(compare.read_evaluation(str(results.store(one, tmp_path)), []) for one in made))
+    assert found.other_versions == ["1 run with metaworld 3.0.0", "1 run with numpy 1.26.4"]
+    again = compare.read_evaluation(specs[1].hash, [tmp_path / "nothing", tmp_path])
+    assert again.provenance["versions"]["numpy"] == "1.26.4"
+
+
+def test_what_evaluate_prints_says_what_computed_it(capsys, tmp_path):
+    for name, agent in (("A", "random"), ("B", "nothing")):
+        code, out, _ = move(capsys, "evaluate", "--agent", agent, "--task", "push", "--episodes", "2", "--json")
+        (tmp_path / name).write_text(out)
+        made = json.loads(out)["provenance"]
+        assert code == 0 and made["versions"]["mujoco"] == HERE["mujoco"] and made["source"]
+    code, out, _ = move(capsys, "compare", str(tmp_path / "A"), str(tmp_path / "B"))
+    assert code == 0 and "paired at 2 configurations of push" in out and "other versions" not in out
+
+
 def moved(content):
     content["rows"][3]["object_x"] += 1e-6
     return content
@@ -93,5 +131,5 @@ def test_what_cannot_be_compared_is_one_line(capsys, files, second, message):
 
 @pytest.mark.parametrize("given", ["nowhere.json", "0" * 16, "/", "", "../results"])
 def test_what_is_not_there_is_one_line(given, tmp_path):
-    with pytest.raises(BadInput, match="given; allowed is a file of `move evaluate --json`, or the hash of a run"):
+    with pytest.raises(BadInput, match="given; allowed is (a file of `move evaluate --json`, or )?the hash of a run"):
         compare.read_evaluation(given, [tmp_path])

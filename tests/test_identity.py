@@ -3,6 +3,7 @@
 import dataclasses
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -17,14 +18,16 @@ from test_cli import move
 from test_cluster import two_threads
 
 import move as package
+from move import paths
 from move.errors import BadInput
 from move.figures.page import captions, parameters
 from move.learn.dataset import load, save
 from move.learn.train import train
 from move.sim.demonstrations import Demonstrations, fingerprint
-from move.study import cluster, execute, policies, provenance, results, run
+from move.study import cluster, execute, policies, provenance, results, run, verify
 from move.study.kinds import collector_run, control_run, policy_run
 from move.study.profiles import Profile, load_profile
+from move.study.spec import PolicyRun
 
 LAPTOP = load_profile("laptop")
 SHIPPED = parameters.specs("rollouts", LAPTOP)
@@ -153,7 +156,7 @@ def of_another(folder: Path) -> None:
     shutil.copytree(other, folder)
 
 
-@pytest.mark.parametrize("change, reason", [
+TAMPERED = [
     (of_another, "is not the policy of .*policy.json says"),
     (lambda folder: (folder / "policy.json").unlink(), "policy.json says nothing"),
     (lambda folder: without(folder / "policy.json", "sha256"), "is not the policy of"),
@@ -164,7 +167,10 @@ def of_another(folder: Path) -> None:
     (lambda folder: (folder / "episodes.safetensors").unlink(), "episodes.safetensors does not fit its digest"),
     (lambda folder: (folder / "more.safetensors").write_bytes(b""), "more.safetensors does not fit its digest"),
     (lambda folder: (folder / "policy.json").write_text("[" * 10**5), "policy.json"),
-])
+]
+
+
+@pytest.mark.parametrize("change, reason", TAMPERED)
 def test_a_shipped_policy_that_is_not_its_runs_is_refused(shipped, change, reason):
     for spec in SHIPPED:
         assert policies.trained_policy(spec, LAPTOP) and policies.recorded_episodes(spec, LAPTOP)
@@ -174,6 +180,44 @@ def test_a_shipped_policy_that_is_not_its_runs_is_refused(shipped, change, reaso
                 read(spec, LAPTOP)
             assert "\n" not in str(problem.value)
         break
+
+
+@pytest.fixture
+def checked(shipped, tmp_path):
+    """The row of `move verify --all` on a shipped policy's folder, next to the results of the shipped runs."""
+    for spec in SHIPPED:
+        shutil.copy(paths.ROOT / "results/laptop" / f"{spec.hash}.json", tmp_path)
+
+    def row(spec: PolicyRun) -> dict:
+        rows = {row["file"]: row for row in verify.check_files(tmp_path)}
+        assert all(row["same"] for file, row in rows.items() if file != f"policies/{spec.policy_hash}")
+        return rows[f"policies/{spec.policy_hash}"]
+
+    return row
+
+
+@pytest.mark.parametrize("change, reason", TAMPERED)
+def test_verify_all_names_a_policy_that_is_not_its_runs(shipped, checked, change, reason):
+    spec = SHIPPED[-1]
+    assert checked(spec) == {"file": f"policies/{spec.policy_hash}", "same": True, "difference": "none"}
+    change(shipped(spec))
+    row = checked(spec)
+    assert not row["same"] and re.search(reason, row["difference"]) and "\n" not in row["difference"]
+
+
+def test_verify_all_names_a_policy_without_a_run_and_what_is_no_policy(shipped, checked, tmp_path, capsys):
+    spec, result = SHIPPED[0], tmp_path / f"{SHIPPED[0].hash}.json"
+    other = spec.model_copy(update={"seed": 9})
+    shutil.copytree(shipped(spec), shipped(other))
+    policies.seal(other, shipped(other))
+    (tmp_path / "policies/notes.txt").write_text("a note")
+    code, out, _ = move(capsys, "verify", "--all", "--json")
+    found = {row["file"]: row["difference"] for row in json.loads(out) if not row["same"]}
+    assert code == 1 and found.keys() == {f"policies/{other.policy_hash}", "policies/notes.txt"}
+    assert all("no usable result" in why for why in found.values())
+    flip(result)  # the policy of a run whose result is damaged belongs to none
+    found = {row["file"] for row in verify.check_files(tmp_path) if not row["same"]}
+    assert {result.name, f"policies/{spec.policy_hash}"} <= found
 
 
 def test_a_policy_under_a_fitting_seal_still_has_to_have_the_runs_settings(shipped):

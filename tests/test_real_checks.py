@@ -9,7 +9,9 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 import real_writers as w
+import zarr
 
+from move.errors import BadInput
 from move.paper import TABLE3_REAL
 from move.realworld import check_dataset, checks_table, open_dataset, write_sample
 from move.realworld.episode import RobotEpisode
@@ -61,6 +63,36 @@ def test_the_sample_is_a_function_of_its_seed(tmp_path):
     assert len(open_dataset(write_sample(tmp_path / "a", seed=1, episodes=3)).episodes) == 6
 
 
+@pytest.mark.parametrize("text", ["{", "[]", "null", '{"episodes": "many"}', '{"seed": 7}', ""])
+def test_a_sample_that_does_not_say_what_it_is_is_written_anew(tmp_path, text):
+    folder = write_sample(tmp_path / "a", seed=7, episodes=1)
+    mark, table = folder / "SIMULATED.json", folder / "move_sample" / V2.format(0)
+    said, rows = mark.read_text(), table.read_bytes()
+    mark.write_text(text)
+    table.write_bytes(rows[:100])
+    write_sample(folder, seed=7, episodes=1)
+    assert mark.read_text() == said and table.read_bytes() == rows and [*tmp_path.iterdir()] == [folder]
+
+
+def test_a_sample_is_written_whole_or_not_at_all_and_never_over_something_else(tmp_path, monkeypatch):
+    folder = write_sample(tmp_path / "a", seed=1, episodes=1)
+    before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+    def full(path, *arguments, **options):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("move.realworld.sample.write_video", full)
+    for place in (folder, tmp_path / "b"):
+        with pytest.raises(BadInput, match="cannot write .*: No space left on device"):
+            write_sample(place, seed=1, episodes=2)
+    assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == before
+    (tmp_path / "c").mkdir()
+    (tmp_path / "c/thesis.tex").write_text("mine")
+    with pytest.raises(BadInput, match="c holds thesis.tex, and no sample; allowed is a new folder"):
+        write_sample(tmp_path / "c")
+    assert (tmp_path / "c/thesis.tex").read_text() == "mine"
+
+
 def test_real_data_are_not_called_simulated(tmp_path):
     assert not open_dataset(w.lerobot_v2(tmp_path / "d")).simulated
 
@@ -83,6 +115,19 @@ def in_hdf5(change):
             change(file)
 
     return make
+
+
+def in_zarr(name, values):
+    def make(folder):
+        group = zarr.open_group(str(folder / "replay_buffer.zarr"), mode="a")
+        del group[name]
+        group.create_array(name, data=values)
+
+    return make
+
+
+def about(**values):
+    return lambda folder: w.change_json(folder / "meta/info.json", **values)
 
 
 def never_written(file):
@@ -118,6 +163,7 @@ def swapped_rows(folder):
 
 STEPS, TIME = np.arange(w.STEPS), "data/timestamp"
 FINITE, ORDER, EQUAL = "all values are finite", "timesteps are numbered in order", "no two episodes are equal"
+INDICES, WHOLE = "indices count on from episode to episode", "everything is of an episode"
 STATED, CHUNKS = "episodes are as long as stated", "no chunk of an array is missing"
 SPOILT = {  # what is wrong: who writes it, what is changed, which check finds it, what it says
     "another episode's number": (v2, v2_table(episode_index=np.full(6, 2)), ORDER, "episode_index 2 at timestep 0"),
@@ -147,6 +193,21 @@ SPOILT = {  # what is wrong: who writes it, what is changed, which check finds i
                    "data/robot_joint has 2 of its 3 chunks"),
     "zarr rows": (w.zarr_buffer, fewer_rows("action"), STATED, "2 timesteps of 4"),
     "zarr streams": (w.zarr_buffer, fewer_rows("action"), "streams of an episode are equally long", "action 2"),
+    "timesteps that were not recorded": (v2, v2_table(timestamp=(STEPS + 4 * (STEPS > 1)) / 10),
+                                         "the rate is the stated one", "./1 lacks 0.4 s after timestep 1"),
+    "indices of another episode": (v2, v2_table(index=STEPS + 3), INDICES, "./1 begins at 3, ./0 ends at 5"),
+    "indices of a shared table twice": (w.lerobot_v3, lambda folder: w.change_table(
+        folder / V3, index=[*STEPS, *STEPS, *STEPS]), INDICES, "2: ./1 begins at 0, ./0 ends at 5"),
+    "more episodes stated": (v2, about(total_episodes=4), WHOLE, ".: 4 episodes are stated, 3 are listed"),
+    "fewer timesteps stated": (w.lerobot_v3, about(total_frames=17), WHOLE,
+                               ".: 17 timesteps are stated, 18 are listed"),
+    "an episode that is not listed": (v2, lengths(6, 6), WHOLE, "episode_000002.parquet is of no listed episode"),
+    "a shared table that is not listed": (w.lerobot_v3, lambda folder: shutil.copy(
+        folder / V3, folder / V3.replace("file-000", "file-001")), WHOLE, "file-001.parquet is of no listed episode"),
+    "zarr rows behind the last episode": (w.zarr_buffer, in_zarr("meta/episode_ends", np.array([3, 8])), WHOLE,
+                                          "data/action has 10 timesteps, the episodes end at 8"),
+    "zarr rows of one array more": (w.zarr_buffer, in_zarr("data/robot_joint", w.joints(0, 13)), WHOLE,
+                                    "1: replay_buffer.zarr: data/robot_joint has 13 timesteps, the episodes end at 10"),
 }
 
 
@@ -165,10 +226,12 @@ def test_each_check_finds_what_is_wrong_in_whatever_layout(tmp_path, what):
 def test_every_layout_has_the_same_checks_and_passes_none_for_want_of_a_quantity(tmp_path, layout):
     data = open_dataset(w.LAYOUTS[layout](tmp_path / "d"))
     table = checks_table(check_dataset(data)).set_index("name")
-    assert len(table) == 18 and set(table["outcome"]) <= {"pass", "differs", "unknown"}
+    assert len(table) == 20 and set(table["outcome"]) <= {"pass", "differs", "unknown"}
     wanted = {
         "episodes are as long as stated": [e for e in data.episodes if e.stated_timesteps],
         "timesteps are numbered in order": [e for e in data.episodes if e.numbering],
+        "indices count on from episode to episode": [e for e in data.episodes if "index" in e.numbering][1:],
+        "everything is of an episode": [1] if "LeRobot" in layout or "zarr" in layout else [],
         "no two episodes are equal": data.episodes[1:], "every timestep has its frames": data.episodes[0].cameras,
         "no chunk of an array is missing": [e for e in data.episodes if e.gaps is not None],
         "time increases": [e for e in data.episodes if e.timestamps is not None],

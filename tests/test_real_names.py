@@ -152,6 +152,22 @@ def test_a_piper_beyond_its_limits_is_not_placed(tmp_path):
     assert "2 of 2 episodes: joints beyond PIPER's limits" in why_no_positions(data.episodes)
 
 
+@pytest.mark.parametrize(("robot", "largest", "unit"), [
+    ("so101_follower", 2900.0, "unknown"), ("koch", 4000.0, "unknown"), ("ur5e", 90_000.0, "unknown"),
+    (None, 3500.0, "unknown"), (None, 90_000.0, "mdeg"), ("piper", 3500.0, "mdeg")])
+def test_counts_of_a_motor_are_no_thousandths_of_a_degree(tmp_path, robot, largest, unit):
+    names = [f"joint_{n}" for n in range(1, 6)] + ["gripper"]
+    values = np.column_stack([swing(largest), np.linspace(2000, min(largest, 70_000.0), w.STEPS)])
+    data = open_dataset(arm(tmp_path / "d", values, names, robot))
+    told, e = data.units.set_index("quantity"), data.episodes[0]
+    assert told.loc["joints", "unit"] == unit and (e.joints is None) == (unit == "unknown")
+    if unit == "unknown":
+        assert "mdeg or counts of a motor: name it in a units file" in told.loc["joints", "note"]
+        assert told.loc["gripper", "unit"] == "unknown" and e.gripper is None
+    else:
+        assert told.loc["gripper", "unit"] == "um"
+
+
 def test_joints_of_a_layout_that_names_no_arm_may_be_per_cent_too(tmp_path):
     folder = w.act_hdf5(tmp_path / "d")
     with h5py.File(folder / "episode_0.hdf5", "a") as file:

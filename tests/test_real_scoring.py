@@ -34,6 +34,8 @@ BAD = {
     "1,static,nan,0.1,2": "line 2: position_x_m: 'nan' given",
     "1,static,0.3,0.1,2\n1,static,0.3,0.1,1": "line 3: trial 1 of static is scored twice",
     "1,static,0.3,0.1,2\n1,MOVE,0.4,0.1,1": "line 3: trial 1 stands 10 cm from where it stood before",
+    "1_0,static,0.3,0.1,2": "line 2: '1_0' given; allowed: numbers in digits alone",
+    "1,static,0.3,0.1,2\n2,static,0.3,0.1,0_3": "line 3: '0_3' given", "1,static,0_.3,0.1,2": "line 2: '0_.3' given",
     "1,static,0.3,0.1,2,5": "line 2: 6 values; allowed: 5", "": "no trials below the header",
 }
 

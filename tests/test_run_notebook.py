@@ -1,5 +1,6 @@
 """How a notebook is run, without a kernel: its parameters, what the kernel finds, and what happens when it dies."""
 
+import contextlib
 import os
 import time
 
@@ -85,8 +86,28 @@ def test_a_kernel_that_dies_is_started_once_more_and_then_told_with_the_executed
     starts = Starts(death, death)
     with pytest.raises(kernels.NotebookFailed) as told:
         start(starts)
-    assert len(starts.started) == 2 and str(starts.started[0]["executed"]) in str(told.value)
+    executed = starts.started[0]["executed"]
+    assert len(starts.started) == 2 and f"(see {executed.parent.parent / executed.name})" in str(told.value)
     assert ("before the last cell" if death == 2 else str(death)) in str(told.value)
+
+
+@pytest.mark.parametrize("end, left", [(3, "new"), (DeadKernelError("Kernel died"), "new"),
+                                       (OSError(28, "No space left on device"), "old")])
+def test_an_executed_copy_is_replaced_in_one_step_once_it_is_written(start, tmp_path, end, left):
+    executed = tmp_path / "notebooks/smoke/table4_hyperparameters.ipynb"
+    executed.parent.mkdir(parents=True)
+    executed.write_text("old")
+
+    class Writes(Starts):
+        def __call__(self, source, under_way, parameters, **options):
+            assert under_way != executed and under_way.suffix == ".ipynb" and not under_way.exists()
+            under_way.write_text("new")
+            assert executed.read_text() in ("old", "new" if self.started else "old")
+            return super().__call__(source, under_way, parameters, **options)
+
+    with contextlib.nullcontext() if end == 3 else pytest.raises((kernels.NotebookFailed, OSError)):
+        start(Writes(end, end))
+    assert executed.read_text() == left and not any((executed.parent / "under_way").iterdir())
 
 
 def test_what_is_wrong_in_a_cell_is_not_tried_again(start, monkeypatch):

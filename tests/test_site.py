@@ -1,11 +1,13 @@
 """The site: its parts from shipped files, and, where it has been built, every page, link and picture of it."""
 
+import multiprocessing
 import os
 import re
 import signal
 import subprocess
 import sys
 import threading
+import time
 from html.parser import HTMLParser
 from pathlib import Path
 from urllib.parse import unquote, urldefrag, urlparse
@@ -78,6 +80,73 @@ def test_the_site_computes_nothing_that_is_missing(tmp_path, monkeypatch):
     monkeypatch.setattr(make_site, "executed_copies", executed_copies)
     with pytest.raises(Enough, match="1"):
         make_site.main()
+
+
+@pytest.fixture
+def small(tmp_path, monkeypatch):
+    """A site of no notebook, in place of which `write` puts whatever it wants."""
+    for name in ("SITE", "SOURCE"):
+        monkeypatch.setattr(make_site, name, tmp_path / "build" / name.lower())
+    for name, found in (("listed", []), ("api_pages", []), ("start_page", "")):
+        monkeypatch.setattr(make_site, name, lambda *arguments, found=found: found)
+    monkeypatch.setenv("MOVE_STORED_ONLY", "1")
+
+    def make(write) -> dict[str, str]:
+        monkeypatch.setattr(make_site, "build_main", lambda arguments: write(Path(arguments[-1])))
+        make_site.main()
+        return content()
+
+    def content() -> dict[str, str]:
+        return {path.relative_to(tmp_path).as_posix(): path.read_text() for path in tmp_path.rglob("*.html")}
+
+    def of(text: str):
+        def write(folder: Path) -> None:
+            folder.mkdir(parents=True)
+            (folder / "index.html").write_text(text)
+        return write
+
+    return make, of, content
+
+
+def test_a_site_replaces_the_one_before_once_it_is_whole(small):
+    make, of, content = small
+    assert make(of("first")) == {"build/site/index.html": "first"}
+
+    def fails(folder: Path) -> int:
+        of("half")(folder)
+        return 1
+
+    with pytest.raises(SystemExit, match="Sphinx found an error"):
+        make(fails)
+    assert content() == {"build/site/index.html": "first"}
+    assert make(of("second")) == {"build/site/index.html": "second"}
+
+
+def test_a_site_whose_making_is_killed_leaves_the_one_before_and_the_next_clears_up(small, tmp_path):
+    make, of, content = small
+    make(of("first"))
+
+    def endless(folder: Path) -> None:
+        of("half")(folder)
+        time.sleep(600)
+
+    process = multiprocessing.get_context("fork").Process(target=make, args=(endless,))
+    process.start()
+    deadline = time.monotonic() + 120
+    while "half" not in content().values() and time.monotonic() < deadline:
+        time.sleep(0.05)
+    process.kill()
+    process.join()
+    found = content()
+    assert found.pop("build/site/index.html") == "first" and list(found.values()) == ["half"]
+    assert make(of("second")) == {"build/site/index.html": "second"}
+    assert {path.name for path in (tmp_path / "build").iterdir()} == {"site", "source"}
+
+
+@pytest.mark.parametrize("text", ["", "{", '{"cells": [', "[]", "{}", "\0" * 50, '{"nbformat": 4, "cells": [{}]}'])
+def test_a_damaged_copy_of_a_notebook_is_none(tmp_path, text):
+    (tmp_path / "a.ipynb").write_text(text)
+    assert make_site.read_copy(tmp_path / "a.ipynb") is None
 
 
 def test_every_table_belongs_to_a_notebook():

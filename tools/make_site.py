@@ -15,6 +15,7 @@ import pkgutil
 import re
 import shutil
 import sys
+import tempfile
 import threading
 import time
 from base64 import b64decode
@@ -40,6 +41,7 @@ import move
 from move import paths
 from move.figures import load, names, owner
 from move.figures.page import captions, changes, kernels, parameters
+from move.files import written_aside
 from move.study.profiles import load_profile
 from move.study.results import Result, split, table
 
@@ -69,10 +71,10 @@ def main() -> None:
     (SOURCE / "_static/results").mkdir(parents=True)
     shutil.copy(DOCS / "site.css", SOURCE / "_static")
     problems = write_pages(executed_copies(listed()))
-    shutil.rmtree(SITE, ignore_errors=True)
-    if build_main(["-q", "-b", "html", "-c", str(DOCS), "-d", str(paths.BUILD / "site-doctrees"),
-                   "-D", f"html_static_path={SOURCE / '_static'}", str(SOURCE), str(SITE)]):
-        sys.exit("make_site: Sphinx found an error; see above")
+    with tempfile.TemporaryDirectory() as doctrees, written_aside(SITE) as site:
+        if build_main(["-q", "-b", "html", "-c", str(DOCS), "-d", doctrees,
+                       "-D", f"html_static_path={SOURCE / '_static'}", str(SOURCE), str(site)]):
+            sys.exit("make_site: Sphinx found an error; see above")
     size = sum(path.stat().st_size for path in SITE.rglob("*") if path.is_file()) / 1e6
     sys.stdout.write(f"{SITE / 'index.html'}: {size:.1f} MB, {time.monotonic() - began:.0f} s, of it "
                      f"{sum(os.times()[:4]):.0f} s of a core\n")
@@ -159,8 +161,8 @@ def copy_of_today(path: Path) -> NotebookNode | None:
     newest = max((result.stat().st_mtime for result in PROFILE.results.glob("*.json")), default=0)
     for folder in (paths.BUILD / "notebooks" / PROFILE.name, EXECUTED):
         left = folder / path.name
-        if left.exists() and left.stat().st_mtime > newest and is_of_today(
-                copy := nbformat.read(left, 4), nbformat.read(path, 4)):
+        if left.exists() and left.stat().st_mtime > newest and (copy := read_copy(left)) and is_of_today(
+                copy, nbformat.read(path, 4)):
             return copy
     return None
 
@@ -201,6 +203,14 @@ def end_stalled_kernels(done: threading.Event) -> None:
                 busy[child.pid] = time.monotonic(), used
             elif time.monotonic() - since > STALLED:
                 child.kill()
+
+
+def read_copy(path: Path) -> NotebookNode | None:
+    """A notebook that was left; None where it is damaged."""
+    try:
+        return nbformat.read(path, 4)
+    except (ValueError, AttributeError, nbformat.ValidationError):
+        return None
 
 
 def is_of_today(executed: NotebookNode, notebook: NotebookNode) -> bool:

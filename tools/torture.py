@@ -1,14 +1,19 @@
-"""Kills `move run` at random, starts it again until it is done, and compares with a run that nobody disturbed.
+"""Kills a command at random, starts it again until it is done, and compares with one that nobody disturbed.
 
-A grid of a few short trainings from keypoints, with a checkpoint every tenth of a second. Each kill is a SIGKILL of the
-command, of its whole group, or of one worker, at a random moment. When the grid is whole, every result's rows, curve
-and collection and every policy's weights have to be those of the undisturbed run, bit for bit, and no process and no
-half-written file may be left.
+    run      `move run` of a few short trainings from keypoints, with a checkpoint every tenth of a second
+    figure   `move figure --stored-only` of two shipped figures: their pictures and tables
+    site     `make site` of the shipped results, from notebooks that `move figure --stored-only` executed before
+
+Each kill is a SIGKILL of the command, of its whole group, or of one process that it started, at a random moment. After
+each, whatever is in its place has to be whole; in the end every result's rows, curve and collection, every policy's
+weights, and every file of the figures and of the site have to be those of the undisturbed command, bit for bit, and no
+process and no half-written file may be left. A command is a fork of this process, in which what it imports is there.
 """
 
 from __future__ import annotations
 
 import argparse
+import importlib
 import json
 import os
 import random
@@ -17,6 +22,7 @@ import sys
 import tempfile
 import time
 from collections import Counter
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
@@ -24,7 +30,10 @@ import psutil
 
 SOURCE = Path(__file__).resolve().parent.parent
 TARGETS = ("command", "group", "worker")
-BAD = ("rounds that differ", "commands that failed", "half-written files", "orphans")
+BAD = ("rounds that differ", "torn after a kill", "commands that failed", "half-written files", "orphans")
+COMMANDS = {"run": ("run", "--profile", "tortured", "keypoint_control", "--workers", "2"),
+            "figure": ("figure", "fig7_speed", "table4_hyperparameters", "--stored-only"), "site": ()}
+SHARED = ("docs", "results", "README.md", "KNOWN_DEVIATIONS.md", "SECURITY.md")
 PATIENCE = 3.0  # seconds that a worker may outlive its command
 EARLY = 0.6  # of the undisturbed time: later a resumed command has often ended already
 CONTENT = ("spec", "rows", "collection")  # of a result, what a repetition has to give again
@@ -41,44 +50,75 @@ minutes: {keypoints: 0.1}
 
 
 class Grid:
-    """A folder in which `move run` computes the tiny grid; `steps` are gradient steps, `seeds` runs a method."""
+    """A folder in which a command computes the tiny grid; `steps` are gradient steps, `seeds` runs a method."""
 
-    def __init__(self, folder: Path, seeds: int, steps: int) -> None:
-        self.folder = folder
-        (folder / "profiles").mkdir(parents=True)
-        (folder / "notebooks").symlink_to(SOURCE / "notebooks")
+    def __init__(self, folder: Path, command: str, seeds: int, steps: int) -> None:
+        self.folder, self.command = folder, command
+        shutil.copytree(SOURCE / "profiles", folder / "profiles")
+        shutil.copytree(SOURCE / "notebooks", folder / "notebooks", ignore=shutil.ignore_patterns("tutorial"))
+        for name in SHARED:
+            (folder / name).symlink_to(SOURCE / name)
         text = PROFILE.replace("STEPS", str(steps)).replace("SEEDS", str(seeds))
         (folder / "profiles" / "tortured.yaml").write_text(text)
+        os.environ.update(MOVE_ROOT=str(folder), MOVE_CHECKPOINT_SECONDS="0.1", OMP_NUM_THREADS="1",
+                          PYTHONPATH=str(SOURCE))
+        self.main = self._imported()
 
-    def start(self) -> psutil.Popen:
-        """`move run` on two processes, in a group of its own."""
-        environment = {**os.environ, "MOVE_ROOT": str(self.folder), "MOVE_CHECKPOINT_SECONDS": "0.1",
-                       "PYTHONPATH": str(SOURCE), "OMP_NUM_THREADS": "1"}
-        command = [sys.executable, "-m", "move.cli", "run", "--profile", "tortured", "keypoint_control",
-                   "--workers", "2"]
-        with (self.folder / "log").open("a") as log:
-            return psutil.Popen(command, env=environment, start_new_session=True, stdout=log, stderr=log)
+    def _imported(self) -> Callable[[], object]:
+        """The command's main function, with all that it imports."""
+        if self.command == "site":
+            return importlib.import_module("make_site").main
+        for name in ("move.figures.page.kernels", "move.figures.page.make", "move.study.run", "papermill", "ipykernel"):
+            importlib.import_module(name)
+        return importlib.import_module("move.cli").main
+
+    def clear(self) -> None:
+        """Delete what the command made; what it begins with comes from `SOURCE`."""
+        for name in ("build", "paper_figures"):
+            shutil.rmtree(self.folder / name, ignore_errors=True)
+        if self.command == "site":
+            shutil.copytree(SOURCE / "build/notebooks/laptop", self.folder / "build/notebooks/laptop")
+            shutil.copytree(SOURCE / "paper_figures", self.folder / "paper_figures")
+
+    def start(self) -> psutil.Process:
+        """The command, in a group of its own."""
+        if process := os.fork():
+            return psutil.Process(process)
+        os.setsid()
+        for stream in (1, 2):
+            os.dup2(os.open(self.folder / "log", os.O_WRONLY | os.O_CREAT | os.O_APPEND), stream)
+        sys.argv = ["move", *COMMANDS[self.command]]
+        code: object = 1
+        try:
+            self.main()
+            code = 0
+        except SystemExit as end:
+            code = end.code
+        finally:
+            os._exit(code if isinstance(code, int) else int(code is not None))
 
     def outcome(self) -> dict[str, object]:
-        """What has to be the same: of each result its content, of each policy its tensors, by file."""
+        """What has to be the same: of each result its content, else the bytes, by file."""
         found: dict[str, object] = {}
         for path in sorted(self.folder.glob("build/results/*/*.json")):
             content = json.loads(path.read_text())
             (content["collection"] or {}).pop("seconds", None)
             found[path.name] = [content[name] for name in CONTENT] + [(content["training"] or {}).get("curve")]
-        for path in sorted(self.folder.glob("build/runs/*/policy/tensors-*")):
-            found[f"{path.parent.parent.name}/{path.name}"] = path.read_bytes()
-        return found
+        files = (path for pattern in ("build/runs/*/policy/tensors-*", "paper_figures/*", "build/site/**/*")
+                 for path in sorted(self.folder.glob(pattern)))
+        return found | {str(path.relative_to(self.folder)): path.read_bytes() for path in files
+                        if path.is_file() and not path.name.startswith(".")}
 
 
-def kill(command: psutil.Popen, target: str, chance: random.Random) -> bool:
-    """Kill the command, its group with all its workers, or one worker; False if that was gone already."""
+def kill(command: psutil.Process, target: str, chance: random.Random) -> bool:
+    """Kill the command, its group with all that it started, or one of these; False if that was gone already."""
     try:
-        workers = command.children()
+        workers = command.children(recursive=True)
         victims = {"command": [command], "group": [command, *workers],
                    "worker": [chance.choice(workers)] if workers else []}[target]
         for victim in victims:
-            victim.kill()
+            with suppress(psutil.NoSuchProcess):
+                victim.kill()
         return bool(victims)
     except psutil.NoSuchProcess:
         return False
@@ -88,37 +128,41 @@ def torture(grid: Grid, expected: dict[str, object], kills: int, chance: random.
     """Kill so often, each within EARLY of `seconds` of a start; go on until every begun grid is whole, and count."""
     counts: Counter[str] = Counter()
     while counts["kills"] < kills or counts["rounds"] == 0:
-        shutil.rmtree(grid.folder / "build", ignore_errors=True)
+        grid.clear()
         while not _came_to_its_end(grid, kills, chance, seconds, counts):
-            pass
+            counts["torn after a kill"] += any(expected.get(name, content) != content
+                                               for name, content in grid.outcome().items())
+            sys.stderr.write(f"of {kills} kills: {dict(counts)}\n")
         counts["rounds"] += 1
         counts["rounds that differ"] += grid.outcome() != expected
-        counts["half-written files"] += len(list(grid.folder.glob("build/**/*.part")))
-        sys.stderr.write(f"{counts['kills']} of {kills} kills, {counts['rounds']} rounds\n")
+        counts["half-written files"] += len([path for ending in ("part", "old")
+                                             for path in grid.folder.glob(f"*/**/*.{ending}")])
     return counts
 
 
 def _came_to_its_end(grid: Grid, kills: int, chance: random.Random, seconds: float, counts: Counter[str]) -> bool:
     """Start the command, kill at a random moment if there are kills left; whether it did all its work."""
-    command, target, workers = grid.start(), chance.choice(TARGETS), []
+    command, target, workers, killed = grid.start(), chance.choice(TARGETS), [], False
     if counts["kills"] < kills:
         with suppress(psutil.TimeoutExpired):
             command.wait(chance.uniform(0, EARLY * seconds))
         with suppress(psutil.NoSuchProcess):
             workers = command.children(recursive=True)
-        counts["kills"] += kill(command, target, chance)
-    if not workers or target == "worker":
+        killed = kill(command, target, chance)
+        counts["kills"] += killed
+    if not killed or target == "worker":
         with suppress(psutil.NoSuchProcess):
             workers += command.children(recursive=True)
     code = command.wait()
     _, alive = psutil.wait_procs(workers, timeout=PATIENCE)
     counts["orphans"] += len(alive)
-    counts["commands that failed"] += code > 0
+    counts["commands that failed"] += code > 0 and not killed  # one whose worker was killed says so
     return code == 0
 
 
 def undisturbed(grid: Grid) -> tuple[dict[str, object], float]:
     """What has to come out, and the seconds that it takes."""
+    grid.clear()
     started = time.monotonic()
     if code := grid.start().wait():
         raise SystemExit(f"the undisturbed run ended with exit code {code}: see {grid.folder / 'log'}")
@@ -128,13 +172,14 @@ def undisturbed(grid: Grid) -> tuple[dict[str, object], float]:
 def main() -> None:
     """Torture as told, print what was counted, and end with exit code 1 if anything differs or is left."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--command", choices=COMMANDS, default="run")
     parser.add_argument("--kills", type=int, default=20)
     parser.add_argument("--seed", type=int, default=0, help="decides who is killed and when")
     parser.add_argument("--seeds", type=int, default=1, help="trainings a method")
     parser.add_argument("--steps", type=int, default=300, help="gradient steps of a training")
     given = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
-        grid = Grid(Path(folder), given.seeds, given.steps)
+        grid = Grid(Path(folder), given.command, given.seeds, given.steps)
         expected, seconds = undisturbed(grid)
         counts = torture(grid, expected, given.kills, random.Random(given.seed), seconds)
     print(f"undisturbed: {len(expected)} files in {seconds:.1f} s")

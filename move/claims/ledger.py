@@ -14,6 +14,7 @@ from pydantic import Field
 from move.claims.claims import Claim, Strict, claims, fingerprint
 from move.claims.evidence import Evidence
 from move.claims.quantities import findings
+from move.files import written_aside
 from move.statistics.verdicts import NAN, UNDECIDED, VERDICTS, Finding, Item, Join, counted, mean_finding, verdict
 
 COLUMNS = ["number", "claim", "place", "verdict", "evidence", "needed", "figure", "runs", "hashes"]
@@ -115,10 +116,10 @@ def _mean(several: Sequence[Number]) -> dict[str, float]:
 def save_json(decided: Sequence[Entry], folder: Path) -> None:
     """Write claims.json, and claims.schema.json that describes it, for other programs."""
     ledger = Ledger(claims_sha256=fingerprint(), claims=list(decided))
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / "claims.json").write_text(ledger.model_dump_json(indent=1) + "\n", encoding="utf-8")
-    schema = json.dumps(Ledger.model_json_schema(), indent=1)
-    (folder / "claims.schema.json").write_text(schema + "\n", encoding="utf-8")
+    for name, text in (("claims", ledger.model_dump_json(indent=1)),
+                       ("claims.schema", json.dumps(Ledger.model_json_schema(), indent=1))):
+        with written_aside(folder / f"{name}.json") as new:
+            new.write_text(text + "\n", encoding="utf-8")
 
 
 def _entry(claim: Claim, items: Sequence[Item]) -> Entry:

@@ -250,6 +250,7 @@ def evaluate(
     from move.statistics.intervals import wilson_interval
     from move.study import policies
     from move.study.profiles import load_profile
+    from move.study.provenance import provenance
     from move.validation import build
 
     one_thread()
@@ -274,7 +275,9 @@ def evaluate(
     low, high = wilson_interval(rate, len(rows))
     content = {"agent": name, "task": task, "episodes": len(rows), "success_rate": rate, "low": low,
                "high": high, "mean_steps": float(np.mean([row["steps"] for row in rows]))}
-    show(content | ({"rows": rows} if as_json else {}), as_json, "Evaluation (95 % Wilson interval)")
+    if as_json:
+        content |= {"rows": rows, "provenance": provenance(draws=seen.kind == "rgb")}
+    show(content, as_json, "Evaluation (95 % Wilson interval)")
 
 
 @app.command(epilog=examples("move evaluate build/policy --json > A.json", "move compare A.json B.json",

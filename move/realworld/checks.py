@@ -9,6 +9,7 @@ import hashlib
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from itertools import pairwise
 
 import numpy as np
 import pandas as pd
@@ -20,6 +21,7 @@ from move.realworld.episode import RobotEpisode
 from move.realworld.piper import forward_kinematics, is_piper, outside_limits
 
 TOLERANCE = 0.05  # how far, as a share, a rate or a number of the paper may be missed
+MISSED = 1.5  # steps; where a longer time passes from a timestep to the next, one was not recorded
 ALLOWED_GAP_M = 0.02  # between a recorded pose and that of the joints
 
 
@@ -51,7 +53,10 @@ def check_dataset(data: RobotDataSet) -> list[Check]:
         each("all values are finite", lambda e: _counted(e.not_finite), streams),
         each("streams of an episode are equally long", _unequal, "no stream was cut", "one stream alone"),
         each("episodes are as long as stated", _length, "timesteps are counted", "no length is stated"),
+        _check("everything is of an episode", data.lacking or [""] * (data.lacking is not None),
+               "as many as stated, and no more", "no number of episodes is stated"),
         each("timesteps are numbered in order", _numbering, "each belongs to its episode", "timesteps have no numbers"),
+        _indices(episodes),
         _equal(episodes),
         each("no chunk of an array is missing", lambda e: None if e.gaps is None else ", ".join(e.gaps),
              "all are stored", "no layout of chunks"),
@@ -118,6 +123,15 @@ def _numbering(episode: RobotEpisode) -> str | None:
     return "" if episode.numbering else None
 
 
+def _indices(episodes: Sequence[RobotEpisode]) -> Check:
+    """Whether no two episodes of a part count their timesteps, from its beginning, by the same numbers."""
+    spans = sorted((e.part, numbers[0], numbers[-1], _name(e)) for e in episodes
+                   if len(numbers := e.numbering.get("index", np.empty(0))))
+    return _check("indices count on from episode to episode", [
+        f"{name} begins at {first:.0f}, {before} ends at {last:.0f}" if part == same and first <= last else ""
+        for (same, _, last, before), (part, first, _, name) in pairwise(spans)], "none twice", "no two have an index")
+
+
 def _equal(episodes: Sequence[RobotEpisode]) -> Check:
     """Whether two episodes hold the same numbers; their times and pictures are not looked at."""
     first: dict[str, str] = {}
@@ -163,8 +177,11 @@ def _rate(episode: RobotEpisode) -> str | None:
     step = _step_s(episode)
     if step is None or not episode.fps:
         return None
-    right = abs(step * episode.fps - 1) <= TOLERANCE
-    return "" if right else f"states {episode.fps:g} Hz, its steps take {step:g} s"
+    if abs(step * episode.fps - 1) > TOLERANCE:
+        return f"states {episode.fps:g} Hz, its steps take {step:g} s"
+    steps = np.nan_to_num(np.diff(episode.timestamps_s))
+    gap = int(steps.argmax())
+    return f"lacks {steps[gap] - step:g} s after timestep {gap}" if steps[gap] > MISSED * step else ""
 
 
 def _own_times(episode: RobotEpisode) -> str | None:

@@ -36,6 +36,7 @@ class RobotDataSet:
     unread: tuple[str, ...]  # one line for each chosen episode that could not be read
     simulated: bool  # the data set, or one of its episodes, says that it is simulated
     about: dict  # what its `SIMULATED.json` holds
+    lacking: tuple[str, ...] | None  # a line on each thing stated and not there, or of no episode; None: none stated
 
     @property
     def origin(self) -> str:
@@ -89,11 +90,12 @@ def open_dataset(data: str | Path = hub.REPOSITORY, *, revision: str | None = hu
     unread = tuple(line for piece in pieces for line in piece.unread)
     if not read:
         raise BadInput(unread[0] if unread else f"{root}: no episodes in {[part.name for part in parts]}")
-    about = _about(root / SIMULATED)
+    about, lacking = _about(root / SIMULATED), [piece.lacking for piece in pieces if piece.lacking is not None]
     return RobotDataSet(str(data), remote.revision if remote else None, root, read,
                         pd.DataFrame([piece.summary for piece in pieces]),
                         units_table([row for piece in pieces for row in piece.units]), unread,
-                        bool(about) or any(episode.simulated for episode in read), about)
+                        bool(about) or any(episode.simulated for episode in read), about,
+                        tuple(line for lines in lacking for line in lines) if lacking else None)
 
 
 def _fetch(remote: hub.Remote, parts: Sequence[Part], episodes: int | Sequence[int] | None, size_cap_gb: float,
@@ -145,6 +147,7 @@ class _Piece:
     episodes: list[RobotEpisode]
     units: list[UnitRow]
     unread: list[str]
+    lacking: list[str] | None
     summary: dict  # a row of `RobotDataSet.contents`
 
 
@@ -163,8 +166,9 @@ def _read(part: Part, episodes: int | Sequence[int] | None, given: dict[str, str
     found = {episode.index: episode.timesteps for episode in read}
     lengths = [found.get(ref.index, ref.timesteps) for ref in refs]
     total = float("nan") if None in lengths else float(sum(length or 0 for length in lengths))
-    return _Piece(read, units, unread, {"part": part.name, "method": method, "layout": layout.title,
-                                        "episodes": len(refs), "timesteps": total, "episodes_read": len(read)})
+    summary = {"part": part.name, "method": method, "layout": layout.title, "episodes": len(refs), "timesteps": total,
+               "episodes_read": len(read)}
+    return _Piece(read, units, unread, layout.lacking(part, refs), summary)
 
 
 def _about(mark: Path) -> dict:

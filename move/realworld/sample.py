@@ -10,16 +10,20 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from move.errors import BadInput
+from move.files import written_aside
 from move.paper import REAL_RADIUS_M
 from move.realworld.dataset import SIMULATED
 from move.realworld.formats.lerobot import DATA, V2, VIDEO
 from move.realworld.lerobot_files import scalar_columns, scalar_features, vectors
 from move.realworld.piper import forward_kinematics, reach
+from move.untrusted import read_json
 from move.video import write_video
 
 FPS = 5
@@ -56,23 +60,36 @@ def write_sample(folder: Path, *, seed: int = 0, episodes: int = 20) -> Path:
 
     Returns:
         `folder`, to be given to `open_dataset`.
+
+    Raises:
+        BadInput: the folder holds something else, or cannot be written.
     """
     folder = Path(folder)
     about = {
         "simulated": True, "what": "kinematic toy in the real layout", "seed": seed, "episodes": episodes,
         "metres_per_pixel": METRES_PER_PIXEL, "version": 2,
     }
-    mark = folder / SIMULATED
-    if mark.is_file():
-        there = json.loads(mark.read_text(encoding="utf-8"))
-        if there.get("episodes", 0) >= episodes and {**there, "episodes": episodes} == about:
+    if folder.is_dir() and (there := sorted(path.name for path in folder.iterdir())):
+        if SIMULATED not in there:
+            raise BadInput(f"{folder} holds {there[0][:60]}, and no sample; allowed is a new folder, or a sample's own")
+        if _serves(folder / SIMULATED, about):
             return folder
-    for method, stream in zip(METHODS, np.random.SeedSequence(seed).spawn(2), strict=True):
-        rng = np.random.default_rng(stream)
-        _write_part(folder / f"{method}_sample",
-                    [toy_demonstration(rng, moving=method == "move") for _ in range(episodes)])
-    mark.write_text(json.dumps(about, indent=1), encoding="utf-8")
+    with written_aside(folder) as new:
+        for method, stream in zip(METHODS, np.random.SeedSequence(seed).spawn(2), strict=True):
+            rng = np.random.default_rng(stream)
+            _write_part(new / f"{method}_sample",
+                        [toy_demonstration(rng, moving=method == "move") for _ in range(episodes)])
+        (new / SIMULATED).write_text(json.dumps(about, indent=1), encoding="utf-8")
     return folder
+
+
+def _serves(mark: Path, about: dict[str, Any]) -> bool:
+    """Whether a sample says of itself what `about` does, with at least as many demonstrations."""
+    try:
+        there = read_json(mark, "what a sample says of itself")
+        return there.get("episodes", 0) >= about["episodes"] and {**there, "episodes": about["episodes"]} == about
+    except (BadInput, TypeError):
+        return False
 
 
 def toy_demonstration(rng: np.random.Generator, *, moving: bool) -> Toy:

@@ -68,6 +68,8 @@ def read_sheet(path: Path | str) -> pd.DataFrame:
         where = f"{path}, line {number}"
         if len(line) != len(COLUMNS):
             raise BadInput(f"{where}: {len(line)} values; allowed: {len(COLUMNS)}, as the header has")
+        if odd := next((value for value in line if "_" in value), ""):  # Python reads 1_0 as 10
+            raise BadInput(f"{where}: {odd[:40]!r} given; allowed: numbers in digits alone, and a method")
         try:
             row = Trial.model_validate(dict(zip(COLUMNS, line, strict=True)))
         except ValidationError as error:

@@ -1,8 +1,8 @@
 """The units of a data set: read from names, else from the size of the numbers (`RANGES`), else given by the reader.
 
 LeRobot's own arms (SO-100, SO-101, Koch) have joints in degrees or from -100 to 100 per cent, which no size tells
-apart, and grippers in per cent; so may any arm that is not stated to be a PIPER. Whatever cannot be told is `unknown`
-and stays out of the episodes until a units file names it:
+apart, and grippers in per cent; so may any arm that is not stated to be a PIPER, and other arms' large numbers may be
+counts of a motor. Whatever cannot be told is `unknown` and stays out of the episodes until a units file names it:
 
     "*":                 # every part, or a part's folder name
       joints: deg        # or percent: known, and no angle
@@ -52,6 +52,7 @@ RANGES = {
 }
 MOST = {"percent": 120.0, "rad": 6.3, "deg": 360.0, "normalised": 1.2}  # of a gripper whose name states the unit
 PER_CENT = 100.0
+MOTOR_COUNTS = 4096  # a turn of a hobby motor, which may be stored as it is read
 NAME_IT = "name it in a units file"
 _IN_PER_CENT = re.compile(r"so[-_]?10[01]|koch|lekiwi|moss|omx", re.IGNORECASE)  # LeRobot's arms of hobby motors
 
@@ -151,8 +152,8 @@ def _row(about: Recording, quantity: str, values: np.ndarray, given: Mapping[str
         return row("unknown", "nothing", f"{by}: {hint}; the numbers look like {sized}: {NAME_IT}")
     if hint:
         return row(hint, by)
-    if percent := _may_be_percent(about, quantity, sized, largest):
-        return row("unknown", "nothing", percent)
+    if doubt := _may_be_else(about, quantity, sized, largest):
+        return row("unknown", "nothing", f"{doubt}: {NAME_IT}")
     if sized == "unknown":
         return row(sized, "nothing", f"between the known ranges: {NAME_IT}")
     caution = {"normalised": "0 taken as closed",
@@ -160,14 +161,16 @@ def _row(about: Recording, quantity: str, values: np.ndarray, given: Mapping[str
     return row(sized, "size of the numbers", caution.get(sized, "") if quantity == "gripper" else "")
 
 
-def _may_be_percent(about: Recording, quantity: str, sized: str, largest: float) -> str:
-    """Why numbers may be per cent as well as what they look like; "" where they may not."""
-    if is_piper(about.robot) or largest > PER_CENT:
+def _may_be_else(about: Recording, quantity: str, sized: str, largest: float) -> str:
+    """As what else numbers may be read than as what they look like; "" where as nothing else."""
+    if is_piper(about.robot) or quantity not in ("joints", "gripper"):
         return ""
-    if quantity == "gripper" and sized == "mm":
-        return f"mm or per cent: {NAME_IT} (gripper: mm or percent)"
-    if quantity == "joints" and (sized == "deg" or _IN_PER_CENT.search(about.robot or "")):
-        return f"degrees or -100..100: {NAME_IT} (joints: deg or percent)"
+    if sized in ("mdeg", "um") and (about.robot or largest <= MOTOR_COUNTS):
+        return f"{sized} or counts of a motor"
+    if quantity == "gripper" and sized == "mm" and largest <= PER_CENT:
+        return "mm or per cent"
+    if quantity == "joints" and largest <= PER_CENT and (sized == "deg" or _IN_PER_CENT.search(about.robot or "")):
+        return "degrees or -100..100 per cent"
     return ""
 
 

@@ -12,7 +12,8 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, NonNegativeInt, 
 from move.errors import BadInput
 from move.sim.configuration import SpatialConfiguration
 from move.statistics.estimates import Estimate, difference, success_rate
-from move.study.results import HASH, load_named
+from move.study.provenance import other_versions
+from move.study.results import HASH, find, load_named
 from move.untrusted import read_json
 from move.validation import first_problem
 
@@ -30,6 +31,14 @@ class _Row(BaseModel):
     place: dict[str, FiniteFloat]
 
 
+class _Provenance(BaseModel):
+    """What is used of where an evaluation came from."""
+
+    model_config = ConfigDict(strict=True, extra="ignore", hide_input_in_errors=True)
+
+    versions: dict[str, str] = {}
+
+
 class _File(BaseModel):
     """What `move evaluate --json` prints."""
 
@@ -37,15 +46,17 @@ class _File(BaseModel):
 
     task: str
     rows: list[dict[str, Any]] = Field(min_length=1)
+    provenance: _Provenance = _Provenance()  # which earlier versions did not print
 
 
 @dataclass(frozen=True)
 class Evaluated:
-    """One policy's or control's episodes, without those at its own training points."""
+    """One policy's or control's episodes, without those at its own training points, and what computed them."""
 
     name: str
     task: str
     rows: list[_Row]
+    provenance: dict[str, Any]
 
     @property
     def successes(self) -> np.ndarray:
@@ -63,15 +74,17 @@ class Comparison:
     first_rate: Estimate
     second_rate: Estimate
     difference: Estimate
+    other_versions: list[str]  # than are installed here, "1 run with mujoco 3.5.0"
 
     def __str__(self) -> str:
         low, value, high = (f"{100 * rate:+.1f}".replace("+0.0", "0.0").replace("-0.0", "0.0") for rate in (
             self.difference.low, self.difference.value, self.difference.high))
         p = self.difference.p_value
+        others = f"; other versions than here computed {', '.join(self.other_versions)}" if self.other_versions else ""
         return (f"{self.first} {self.first_rate.value:.3f} minus {self.second} {self.second_rate.value:.3f}: {value} "
                 f"points [{low}, {high}], p {f'= {p:.3f}' if p >= 0.001 else '< 0.001'}, paired at "
                 f"{self.difference.episodes // 2} configurations of {self.task}; how much trainings differ is not "
-                "counted, for each was evaluated once")
+                f"counted, for each was evaluated once{others}")
 
     def content(self) -> dict[str, Any]:
         """The same as JSON holds it; rates and differences in 0 to 1."""
@@ -88,34 +101,33 @@ def read_evaluation(given: str, folders: list[Path]) -> Evaluated:
         BadInput: neither; or one that is damaged.
     """
     path = Path(given)
-    if not path.is_file() and HASH.fullmatch(given):
-        path = next((found for folder in folders if (found := folder / f"{given}.json").is_file()), path)
-    if not path.is_file():
+    if not path.is_file() and not HASH.fullmatch(given):
         raise BadInput(f"{given[:100]!r} given; allowed is a file of `move evaluate --json`, or the hash of a run "
                        f"stored in {' or '.join(map(str, folders))}")
-    about = read_json(path, "what `move evaluate --json` prints, or a stored run")
-    task, rows = _of_run(path) if "spec" in about else _of_file(path, about)
-    return Evaluated(given, task, [row for row in rows if row.group != "point"])
+    if path.is_file() and "spec" not in (about := read_json(path, "`move evaluate --json`'s output, or a stored run")):
+        return _of_file(given, path, about)
+    result = load_named(path) if path.is_file() else find(given, folders)
+    return _evaluated(given, result.spec.task, result.rows, result.provenance)
 
 
-def _of_run(path: Path) -> tuple[str, list[_Row]]:
-    result = load_named(path)
-    return result.spec.task, [_row(row, path) for row in result.rows]
-
-
-def _of_file(path: Path, about: dict[str, Any]) -> tuple[str, list[_Row]]:
+def _of_file(given: str, path: Path, about: dict[str, Any]) -> Evaluated:
     try:
         found = _File.model_validate(about)
     except ValidationError as problem:
         raise BadInput(f"{path}: {first_problem(problem)}; allowed is what `move evaluate --json` prints") from problem
-    return found.task, [_row(row, path) for row in found.rows]
+    return _evaluated(given, found.task, found.rows, found.provenance.model_dump())
 
 
-def _row(row: dict[str, Any], path: Path) -> _Row:
+def _evaluated(given: str, task: str, rows: list[dict[str, Any]], provenance: dict[str, Any]) -> Evaluated:
+    read = [_row(row, given) for row in rows]
+    return Evaluated(given, task, [row for row in read if row.group != "point"], provenance)
+
+
+def _row(row: dict[str, Any], given: str) -> _Row:
     try:
         return _Row.model_validate({**row, "place": {name: row[name] for name in PLACE if name in row}})
     except ValidationError as problem:
-        raise BadInput(f"{path}: row of trial {str(row.get('trial'))[:20]}: {first_problem(problem)}") from problem
+        raise BadInput(f"{given}: row of trial {str(row.get('trial'))[:20]}: {first_problem(problem)}") from problem
 
 
 def _begin_alike(row: _Row, paired: _Row) -> bool:
@@ -142,4 +154,4 @@ def compare(first: Evaluated, second: Evaluated) -> Comparison:
                            "and factors")
     one, other = first.successes, second.successes
     return Comparison(first.task, first.name, second.name, success_rate(one), success_rate(other),
-                      difference(one, other))
+                      difference(one, other), other_versions(each.provenance for each in (first, second)))

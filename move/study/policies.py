@@ -20,7 +20,7 @@ from move import paths
 from move.errors import BadInput
 from move.files import written_aside
 from move.learn.agents import Agent, PolicyAgent, Recorded
-from move.learn.checkpoint import UnusableCheckpoint, policy_of, read
+from move.learn.checkpoint import Checkpoint, UnusableCheckpoint, policy_of, read
 from move.learn.diffusion import DiffusionPolicy
 from move.study.profiles import Profile
 from move.study.results import find
@@ -53,7 +53,7 @@ def trained_policy(spec: RunSpec, profile: Profile) -> DiffusionPolicy:
     """
     for folder in (_shipped(spec, profile), _trained_here(spec)):
         if (folder / "run.json").exists():
-            return _sealed_policy(spec, folder)
+            return policy_of(sealed(spec, folder))
     raise BadInput(f"{spec.label}: its policy is not shipped; delete {profile.results / spec.hash}.json and "
                    "give `move run` again to train it here")
 
@@ -99,13 +99,18 @@ def refuse_other_files(spec: RunSpec, folder: Path) -> None:
         raise BadInput(f"{folder / differing[0]} does not fit its digest in {SEAL}: damaged, or another policy's")
 
 
-def _sealed_policy(spec: RunSpec, folder: Path) -> DiffusionPolicy:
+def sealed(spec: RunSpec, folder: Path) -> Checkpoint:
+    """What a folder holds as the finished policy of the run `spec`.
+
+    Raises:
+        BadInput: what `refuse_other_files` refuses, or a policy that is not, or not yet, that of `spec`.
+    """
     refuse_other_files(spec, folder)
     saved = read(folder)
     if saved is None or not isinstance(spec, PolicyRun) or not saved.finished or (
             saved.training, saved.seed, saved.task) != (spec.training, spec.seed, spec.task):
         raise UnusableCheckpoint(f"{folder}: other settings, seed or task than those of {spec.label}, or unfinished")
-    return policy_of(saved)
+    return saved
 
 
 def acting(spec: RunSpec, profile: Profile) -> Callable[[int], Agent]:

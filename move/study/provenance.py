@@ -67,18 +67,27 @@ def _without_build(versions: Mapping[str, str]) -> dict[str, str]:
     return {name: text.split("+")[0] for name, text in versions.items()}
 
 
+def versions_elsewhere(made: Mapping[str, Any]) -> list[str]:
+    """The versions of what decides, in a result's provenance `made`, that are not those installed here.
+
+    >>> here = {name: version(name) for name in DECIDING}
+    >>> versions_elsewhere({"versions": here}), versions_elsewhere({"versions": {**here, "mujoco": "3.5.0"}})
+    ([], ['mujoco 3.5.0'])
+    """
+    here, there = deciding(), _without_build(made.get("versions", {}))
+    if not there:
+        return ["versions that were not recorded"]
+    return [f"{name} {text}" for name in DECIDING if (text := there.get(name, "unknown")) != here[name]]
+
+
 def other_versions(provenances: Iterable[Mapping[str, Any]]) -> list[str]:
     """How many of the results with these provenances have other versions of what decides than are installed here.
 
-    >>> here = {"versions": {name: version(name) for name in DECIDING}}
-    >>> other_versions([here, {"versions": {**here["versions"], "mujoco": "3.5.0"}}])
+    >>> other_versions([{"versions": {name: version(name) for name in DECIDING} | {"mujoco": "3.5.0"}}])
     ['1 run with mujoco 3.5.0']
     """
-    here = deciding()
-    found = Counter((name, text) for each in provenances
-                    for name, text in _without_build(each.get("versions", {})).items()
-                    if name in here and text != here[name])
-    return [f"{count} run{'s' * (count > 1)} with {name} {text}" for (name, text), count in sorted(found.items())]
+    found = Counter(text for made in provenances for text in versions_elsewhere(made))
+    return [f"{count} run{'s' * (count > 1)} with {text}" for text, count in sorted(found.items())]
 
 
 def provenance(draws: bool) -> dict:

@@ -1,4 +1,4 @@
-"""Looks for a stored result that is not what it says: recomputes named ones or a drawn sample, or checks every file.
+"""Looks for a stored result that is not what it says: recomputes named ones or a sample, or checks files and policies.
 
 Rows are compared by the columns that both have, for results of earlier versions hold less of the configuration tried.
 """
@@ -16,6 +16,7 @@ import numpy as np
 from move.errors import BadInput
 from move.statistics.intervals import wilson_interval
 from move.study.execute import PART_SHARE
+from move.study.provenance import versions_elsewhere
 from move.study.results import NOT_COMPUTED, Result, load_named, split
 from move.study.spec import PolicyRun, RunSpec
 
@@ -87,6 +88,8 @@ def _recompute(stored: Result, on_progress: OnProgress | None = None) -> dict[st
         same, judged = low <= again.rate <= high, f"by rate and interval [{low:.3f}, {high:.3f}]: other {other}"
     else:
         same, judged = different is None, "row by row"
+    if others := versions_elsewhere(stored.provenance):
+        judged += f"; stored with {', '.join(others)}"
     return _row(stored.spec, same, judged, stored.rate, again.rate, different)
 
 
@@ -118,18 +121,36 @@ def first_difference(before: list[dict], after: list[dict]) -> str | None:
 def check_files(folder: Path) -> list[dict[str, Any]]:
     """One row a stored file of `folder`: whether it fits its digest and its spec, which has the hash of its name.
 
+    And one row a policy that is shipped next to them: whether it is, to the last bit, that of such a run.
+
     Raises:
         BadInput: no stored result.
     """
-    paths = sorted(folder.glob("*.json"))
-    if not paths:
+    files = sorted(folder.glob("*.json"))
+    if not files:
         raise BadInput(f"verify: no stored result in {folder}; run `move run` first")
-    return [{"file": path.name, **_check(path)} for path in paths]
+    runs: dict[str, RunSpec] = {}
+
+    def load_run(path: Path) -> None:
+        spec = load_named(path).spec
+        if isinstance(spec, PolicyRun):
+            runs[spec.policy_hash] = spec
+
+    def load_policy(place: Path) -> None:
+        from move.study.policies import sealed  # slow to import
+
+        if place.name not in runs:
+            raise BadInput(f"{place}: no usable result in {folder} is of a run with this policy")
+        sealed(runs[place.name], place)
+
+    rows = [{"file": path.name, **_check(load_run, path)} for path in files]
+    return rows + [{"file": f"policies/{place.name}", **_check(load_policy, place)}
+                   for place in sorted((folder / "policies").glob("*"))]
 
 
-def _check(path: Path) -> dict[str, Any]:
+def _check(load: Callable[[Path], None], path: Path) -> dict[str, Any]:
     try:
-        load_named(path)
+        load(path)
     except BadInput as problem:
         return {"same": False, "difference": str(problem)}
     return {"same": True, "difference": "none"}

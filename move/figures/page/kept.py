@@ -1,8 +1,8 @@
 """Figures that simulate are made once: what was shipped is shown as long as it is made of the same things.
 
 Next to such a figure `NAME.made.json` says what it was made of (its parameters, its runs, the policies that are there,
-the versions of what decides), its answer, and the sha256 of each of its files. A figure whose file says
-`SIMULATES = True` is made anew only if one of these differs.
+the versions of what decides), its answer, the sha256 of each of its files, and a digest of all that. A figure whose
+file says `SIMULATES = True` is made anew only if one of these differs.
 """
 
 from __future__ import annotations
@@ -31,11 +31,10 @@ def keep(name: str, data: Data, chosen: Mapping[str, Any], answers: Mapping[str,
     """Note what a figure was made of, once it is written."""
     if not getattr(load(name), "SIMULATES", False) or gl_problem():  # without GL there would be no images to keep
         return
-    files = [path for path in files_of(name, data.folder) if path.suffix in WRITTEN]
-    content = {"made_of": _made_of(data, chosen), "answers": dict(answers),
-               "files": {path.name: _digest(path) for path in files}}
+    content = {"made_of": _made_of(data, chosen), "answers": dict(answers), "files": _files(name, data.folder)}
     with written_aside(data.folder / f"{name}.made.json") as new:
-        new.write_text(json.dumps(content, indent=1, sort_keys=True) + "\n", encoding="utf-8")
+        new.write_text(json.dumps({**content, "digest": _of_json(content)}, indent=1, sort_keys=True) + "\n",
+                       encoding="utf-8")
 
 
 def answers(name: str, data: Data, chosen: Mapping[str, Any]) -> dict[str, str] | None:
@@ -45,9 +44,8 @@ def answers(name: str, data: Data, chosen: Mapping[str, Any]) -> dict[str, str] 
         return None
     try:
         content = json.loads(record.read_text(encoding="utf-8"))
-        same = content["made_of"] == _made_of(data, chosen) and all(
-            _digest(data.folder / file) == digest for file, digest in content["files"].items())
-        return content["answers"] if same else None
+        whole = content.pop("digest") == _of_json(content) and content["files"] == _files(name, data.folder)
+        return content["answers"] if whole and content["made_of"] == _made_of(data, chosen) else None
     except (OSError, ValueError, KeyError, TypeError, AttributeError):  # no such file, or not as `keep` writes it
         return None
 
@@ -73,8 +71,14 @@ def _made_of(data: Data, chosen: Mapping[str, Any]) -> str:
     own = {key: value for key, value in chosen.items() if key not in usual or value != usual[key]}
     parts = [plain(own), sorted(result.spec.hash for result in data.results), policies if data.runs else [],
              versions, RESULTS_VERSION, data.profile.stamp]
-    return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()
+    return _of_json(parts)
 
 
-def _digest(path: Path) -> str:
-    return hashlib.sha256(path.read_bytes()).hexdigest()
+def _files(name: str, folder: Path) -> dict[str, str]:
+    """The sha256 of each file of a figure."""
+    return {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in files_of(name, folder)
+            if path.suffix in WRITTEN}
+
+
+def _of_json(content: object) -> str:
+    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()

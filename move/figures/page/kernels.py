@@ -142,7 +142,7 @@ def _work(answer: Connection, name: str, profile: Profile, changes: dict[str, An
     signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
         answer.send(("executed", str(run_notebook(name, profile, changes, stored_only))))
-    except (NotebookFailed, BadInput) as problem:
+    except (NotebookFailed, BadInput, OSError) as problem:
         answer.send((type(problem).__name__, str(problem)))
 
 
@@ -176,12 +176,12 @@ def run_notebook(
     executed, problem = folder / f"{name}.ipynb", ""
     given = {**plain(parameters(name, profile, changes)), "profile": profile.name}
     manager = {"kernel_manager_class": forked.ForkedKernel} if forked.POSSIBLE else {}
-    folder.mkdir(parents=True, exist_ok=True)
     for _ in range(STARTS):
         try:
-            with _environment({BY_COMMAND: "1"} | ({"MOVE_STORED_ONLY": "1"} if stored_only else {})):
+            with (_replaced_at_the_end(executed) as under_way,
+                  _environment({BY_COMMAND: "1"} | ({"MOVE_STORED_ONLY": "1"} if stored_only else {}))):
                 done = papermill.execute_notebook(
-                    paths.NOTEBOOKS / f"{name}.ipynb", executed, given, kernel_name="python3", progress_bar=False,
+                    paths.NOTEBOOKS / f"{name}.ipynb", under_way, given, kernel_name="python3", progress_bar=False,
                     cwd=paths.NOTEBOOKS, extra_arguments=["--log-level=ERROR"], **manager)
         except PapermillExecutionError as error:
             if error.ename in ("BadInput", "ValidationError"):
@@ -195,6 +195,22 @@ def run_notebook(
             return executed
         problem = "the kernel died before the last cell"
     raise NotebookFailed(f"{name}.ipynb failed: {problem} (see {executed})")
+
+
+@contextmanager
+def _replaced_at_the_end(executed: Path) -> Iterator[Path]:
+    """Where a notebook is executed, cell after cell; what is there becomes `executed` once it ends, however it does."""
+    under_way = executed.parent / "under_way" / executed.name
+    under_way.parent.mkdir(parents=True, exist_ok=True)
+    under_way.unlink(missing_ok=True)
+    try:
+        yield under_way
+    except OSError:  # a full disk, and half a copy
+        under_way.unlink(missing_ok=True)
+        raise
+    finally:
+        if under_way.exists():
+            os.replace(under_way, executed)
 
 
 def _useful(kind: str, message: str) -> str:

@@ -52,6 +52,8 @@ class _Info(BaseModel):
     fps: Annotated[float, Field(gt=0, allow_inf_nan=False, strict=True)] | None = None
     data_path: str | None = None
     video_path: str | None = None
+    total_episodes: Annotated[int, Field(ge=0, strict=True)] | None = None
+    total_frames: Annotated[int, Field(ge=0, strict=True)] | None = None
 
     def cameras(self, dtype: str) -> list[str]:
         """Names of the features that are a "video" or an "image"."""
@@ -80,6 +82,20 @@ def episodes(part: Part) -> list[EpisodeRef]:
     for _, video in videos:
         video["total"] = totals[video["path"]] or None
     return refs
+
+
+def lacking(part: Part, refs: Sequence[EpisodeRef]) -> list[str] | None:
+    """Numbers of `meta/info.json` that the episode table does not have, and data files of no listed episode."""
+    info, lengths = _read_info(part), [ref.timesteps for ref in refs]
+    listed = {"episodes": len(refs), "timesteps": None if None in lengths else sum(length or 0 for length in lengths)}
+    stated = {"episodes": info.total_episodes, "timesteps": info.total_frames}
+    if part.layout == V2 and "meta/episodes.jsonl" not in part.files and not any(stated.values()):
+        return None
+    lines = [f"{part.name}: {stated[name]} {name} are stated, {number} are listed" for name, number in listed.items()
+             if None not in (number, stated[name]) and number != stated[name]]
+    known = {ref.place["data"] for ref in refs}
+    return lines + [f"{part.name}: {file} is of no listed episode" for file in part.files
+                    if file.startswith("data/") and file.endswith(".parquet") and file not in known]
 
 
 def _rows_v2(part: Part) -> list[dict[str, Any]]:

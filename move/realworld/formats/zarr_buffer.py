@@ -59,6 +59,14 @@ def episodes(part: Part) -> list[EpisodeRef]:
             for n, (start, end) in enumerate(zip(starts, ends, strict=True))]
 
 
+def lacking(part: Part, refs: Sequence[EpisodeRef]) -> list[str] | None:
+    """Arrays that do not end with the last episode."""
+    end = refs[-1].place["rows"].stop if refs else 0
+    arrays: dict[str, tuple[int, ...]] = refs[-1].place["arrays"] if refs else {}
+    return [f"{part.name}: data/{name} has {shape[0]} timesteps, the episodes end at {end}"
+            for name, shape in arrays.items() if shape[0] != end]
+
+
 def _store(part: Part) -> Path:
     return inside(part.root, part.files[0]) if part.files[0].endswith(".zarr.zip") else part.root
 

@@ -1,0 +1,68 @@
+"""A figure that simulates is shown as it was made only if all that was written of it is there, to the last bit."""
+
+import json
+import shutil
+
+import pytest
+
+from move import paths
+from move.figures.page import kept, parameters
+from move.figures.page.data import Data, load_or_run
+from move.study.profiles import load_profile
+
+LAPTOP = load_profile("laptop")
+
+
+@pytest.fixture(params=["demonstrations", "rollouts"])
+def shipped(request, tmp_path, monkeypatch):
+    """A copy of a shipped figure: its name, its record, and the answers that are taken from it."""
+    monkeypatch.setenv("MOVE_STORED_ONLY", "1")
+    for path in (paths.ROOT / "paper_figures").glob(f"{request.param}*"):
+        shutil.copy(path, tmp_path)
+    chosen = parameters.parameters(request.param, LAPTOP)
+    runs = parameters.runs(request.param, LAPTOP)
+    data = load_or_run(runs, LAPTOP, tmp_path) if runs else Data(LAPTOP, tmp_path)
+    return request.param, tmp_path / f"{request.param}.made.json", lambda: kept.answers(request.param, data, chosen)
+
+
+def edited(record, change):
+    content = json.loads(record.read_text())
+    change(content)
+    record.write_text(json.dumps(content))
+
+
+def test_what_is_shipped_is_taken_as_it_is(shipped):
+    assert set(shipped[2]()) == {shipped[0]}
+
+
+@pytest.mark.parametrize("change", [
+    lambda content: content["answers"].update({name: f"{text} " for name, text in content["answers"].items()}),
+    lambda content: content.update(files={}), lambda content: content["files"].popitem(),
+    lambda content: content.pop("digest"), lambda content: content.update(digest=None),
+    lambda content: content.update(made_of="0" * 64), lambda content: content.pop("files")])
+def test_a_record_that_was_changed_is_none(shipped, change):
+    _, record, answers = shipped
+    edited(record, change)
+    assert answers() is None
+
+
+@pytest.mark.parametrize("text", ["", "[]", "null", "{", "7", "\0"])
+def test_a_damaged_record_is_none(shipped, text):
+    shipped[1].write_text(text)
+    assert shipped[2]() is None
+
+
+def test_a_film_that_was_exchanged_cut_or_left_out_of_the_record_is_made_anew(shipped):
+    _, record, answers = shipped
+    film = next(iter(sorted(record.parent.glob("*.mp4"))))
+    whole, listed = film.read_bytes(), record.read_text()
+    for content in (whole[:-1], whole[:100] + bytes([whole[100] ^ 1]) + whole[101:]):
+        film.write_bytes(content)
+        assert answers() is None
+        edited(record, lambda content: content["files"].pop(film.name))
+        assert answers() is None
+        record.write_text(listed)
+    film.unlink()
+    assert answers() is None
+    film.write_bytes(whole)
+    assert answers() is not None
