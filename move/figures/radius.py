@@ -178,18 +178,21 @@ def _cells(data: Data, found: Tried) -> pd.DataFrame:
 def _bins(found: Tried | None) -> pd.DataFrame:
     """Success from pixels by distance, hands anywhere: one row a method and centimetre with fifty episodes."""
     rows: list[dict[str, Any]] = []
-    tries = found.tries if found else None
-    for method, code in (("static", 0.0), ("move", 1.0)) if tries else ():
-        binned = np.floor(100 * tries.apart)
+    for method, code in (("static", 0.0), ("move", 1.0)) if found else ():
+        assert found is not None
+        own = found.tries.where(found.tries.move == code)
+        binned = np.floor(100 * own.apart)
         for each in np.unique(binned):
-            mask = (tries.move == code) & (binned == each)
-            if mask.sum() >= 50 and len(np.unique(tries.run[mask])) > 1:
-                own = tries.success[mask]
-                ends = distance.jackknife(tries.run[mask], lambda kept, own=own: own[kept].mean())
-                value, low, high = map(float, ends)
-                rows.append({"method": method, "distance": 100 * tries.apart[mask].mean(), "value": value,
-                             "low": max(low, 0.0), "high": min(high, 1.0), "episodes": int(mask.sum())})
+            tries = own.where(binned == each)
+            if len(tries.success) >= 50 and len(np.unique(tries.run)) > 1:
+                value, low, high = map(float, distance.jackknife(tries.run, partial(_rate, tries.success)))
+                rows.append({"method": method, "distance": 100 * tries.apart.mean(), "value": value,
+                             "low": max(low, 0.0), "high": min(high, 1.0), "episodes": len(tries.success)})
     return pd.DataFrame(rows, columns=["method", "distance", "value", "low", "high", "episodes"])
+
+
+def _rate(success: np.ndarray, mask: np.ndarray) -> float:
+    return float(success[mask].mean())
 
 
 def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:

@@ -66,11 +66,11 @@ def leads(table: pd.DataFrame, labels: Sequence[str], margin: float, ax: Axes) -
         margin: within which two methods count as the same.
     """
     ax.axvspan(-margin, margin, color="#999999", alpha=0.25, lw=0)
-    for shift, (compared, rows) in zip((-0.15, 0.15), table.groupby("compared", sort=False), strict=False):
+    styles = ((-0.15, "x", GREY), (0.15, "D", "black"))
+    for (shift, marker, colour), (compared, rows) in zip(styles, table.groupby("compared", sort=False), strict=False):
         ends = [rows.difference - rows.low, rows.high - rows.difference]
-        ax.errorbar(rows.difference, np.arange(len(rows)) + shift, xerr=ends, capsize=1.5, ms=4, lw=1,
-                    **({"fmt": "x", "color": GREY} if shift < 0 else {"fmt": "D", "color": "black"}),
-                    label=compared)
+        ax.errorbar(rows.difference, np.arange(len(rows)) + shift, xerr=ends, capsize=1.5, ms=4, lw=1, fmt=marker,
+                    color=colour, label=compared)
     ax.set_yticks(range(len(labels)), labels)
     ax.set_ylim(max(len(labels), 1) - 0.5, -0.5)
     points_axis(ax, "MOVE minus static (points)")
