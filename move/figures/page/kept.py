@@ -23,7 +23,7 @@ from move.machine import gl_problem
 from move.study.provenance import deciding
 from move.study.spec import RESULTS_VERSION
 
-WRITTEN = (".pdf", ".png", ".md", ".csv", ".tex", ".mp4")
+WRITTEN = (".pdf", ".png", ".md", ".csv", ".tex", ".mp4", ".webp")
 
 
 def keep(name: str, data: Data, chosen: Mapping[str, Any], answers: Mapping[str, str]) -> None:
