@@ -1,5 +1,6 @@
 """The real-robot notebooks run from nothing, without a network, and are kept clean."""
 
+import json
 from pathlib import Path
 
 import cells
@@ -70,6 +71,9 @@ def students_arm(folder: Path) -> Path:
         return np.hstack([steps * [[90, 150, -120, 60, 30]] + 3 * episode, 2 + 37 * steps])
 
     w.lerobot_v2(folder, episodes=3, values=values, names=names, width=6, robot_type="so100", codec="libx264")
+    info = json.loads((folder / "meta/info.json").read_text())
+    info["features"]["action"]["names"] = names
+    (folder / "meta/info.json").write_text(json.dumps(info))
     for path in sorted(folder.rglob("*.mp4")):
         w.write_video(path, range(w.STEPS), size=(48, 64))
     return folder

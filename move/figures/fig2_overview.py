@@ -93,10 +93,9 @@ def draw(tables: dict[str, pd.DataFrame], data: Data, *, task: str) -> Figure:
     panels = top.subplots(1, len(methods), sharex=True, sharey=True, squeeze=False)[0]
     for ax, method in zip(panels, methods, strict=True):
         for name, box in ranges.items():
-            maps.coverage(seen[method], name, box.low, box.high, ax)
+            maps.coverage(seen[method], name, box.low, box.high, ax, f"{name} {100 * share.loc[method, name]:.0f} %")
         ax.set(xlabel="x (cm)", ylabel="y (cm)" if method == methods[0] else "")
-    texts = [f"{NAMES[method]}: " + ", ".join(f"{name} {100 * share.loc[method, name]:.0f} %" for name in ranges)
-             for method in methods]
+    texts = [NAMES[method] for method in methods]
     strip_axes = bottom.subplots(max(1, len(strips)), 1, squeeze=False)[:, 0]
     for ax, (frames, steps) in zip(strip_axes, strips.values(), strict=False):
         maps.strip(frames, [str(step) for step in steps], ax)

@@ -123,11 +123,11 @@ def circle(disc: Disc, ax: Axes) -> None:
     ax.add_patch(outline)
 
 
-def coverage(seen: pd.DataFrame, part: str, low: tuple, high: tuple, ax: Axes) -> None:
-    """Every place in the plane that `part` ("object" or "target") had at some timestep, in its range (metres)."""
+def coverage(seen: pd.DataFrame, part: str, low: tuple, high: tuple, ax: Axes, label: str = "") -> None:
+    """Every place in the plane that `part` ("object" or "target") had at some timestep, in its labelled range (m)."""
     method = seen.method.iloc[0]
-    ax.annotate(part, (high[0] * 100, (low[1] + high[1]) * 50), xytext=(3, 0), textcoords="offset points", rotation=90,
-                va="center", fontsize=LEAST_POINTS, color="#666666")
+    ax.annotate(label or part, (high[0] * 100, (low[1] + high[1]) * 50), xytext=(3, 0), textcoords="offset points",
+                rotation=90, va="center", fontsize=LEAST_POINTS, color="#666666")
     ax.plot(seen[f"{part}_x"] * 100, seen[f"{part}_y"] * 100, "o", color=COLOURS[method], ms=2, alpha=0.5, mew=0,
             clip_on=False)
     ax.add_patch(Rectangle((low[0] * 100, low[1] * 100), (high[0] - low[0]) * 100, (high[1] - low[1]) * 100,

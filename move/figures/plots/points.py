@@ -229,7 +229,7 @@ def covered(table: pd.DataFrame, column: str, ax: Axes, named: bool = False) -> 
                         alpha=strength, label=name, zorder=3)
     success_axis(ax)
     if named:
-        _name_lines(table.loc[table.groupby("task", sort=False)[column].idxmax()], column, ax)
+        _name_lines(table.sort_values(column).groupby("task").tail(1), column, ax)
     ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{100 * value:.0f}"))
     ax.xaxis.set_major_locator(MultipleLocator(0.1 if table[column].min() >= 0.6 else 0.2))
     low = np.floor(table[column].min() / 0.2) * 0.2

@@ -95,6 +95,7 @@ def setup_figure(cells: pd.DataFrame, steps: pd.DataFrame, strips: Mapping[str, 
         lacking = "; ".join(filter(None, (lacking, "no camera whose frames can be read")))
     parts = [] if joints is None else list(joints.groupby("joint", sort=False))
     prefix = commonprefix([name for name, _ in parts]) if len(parts) > 1 else ""
+    prefix = prefix[:max(prefix.rfind("_"), prefix.rfind(".")) + 1]  # such as "main_"
     short = {name: name.removeprefix(prefix) or name for name, _ in parts}
     rows = [parts[first:first + JOINTS_A_ROW] for first in range(0, len(parts), JOINTS_A_ROW)]
     heights = [0.5 * PAGE_WIDTH * 0.5 + 0.35] * len(methods) + heights + [1.5] * len(rows) + [0.5] * bool(lacking)
