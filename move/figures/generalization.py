@@ -83,7 +83,7 @@ def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:
         ax.set_ylabel("success (%)" if ax in axes[:, 0] else "")
     for ax in axes.flat[len(tasks):]:
         ax.remove()
-    titles(axes.flat[:len(tasks)], [TASKS[task].title for task in tasks])
+    titles(list(axes.flat[:len(tasks)]), [TASKS[task].title for task in tasks])
     figure.legend(handles=[*plots.entries(list(rates.method.unique())), *plots.pooled_entry(rates)], ncol=4,
                   loc="outside upper center")
     return figure

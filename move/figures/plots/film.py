@@ -194,7 +194,7 @@ def _mark(take: Take, step: int) -> np.ndarray:
     line, angle = max(1, round(FINE * size / 140)), float(take.angles[step])
     over = Image.new("RGBA", (FINE * size, FINE * size))
     draw = ImageDraw.Draw(over)
-    for part, places in reversed(take.places.items()):
+    for part, places in reversed(list(take.places.items())):
         jumped = max((each for each, what in take.jumps.items() if what == part and each <= step), default=0)
         way, scale = pixels(places[max(jumped, step - TRAIL):step + 1], angle, FINE * size)
         (x, y), radius, colour = way[-1], RING_M * scale[-1], RINGS[part]

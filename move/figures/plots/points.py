@@ -189,7 +189,8 @@ def gains(table: pd.DataFrame, ax: Axes) -> None:
         table: as `move.figures.table_recipe.tables` gives it; a gain of NaN is left out.
     """
     chosen = table.change == "chosen"
-    _change_lines(table, table.gain, *(ends.mask(chosen, table.gain) for ends in (table.gain_low, table.gain_high)), ax)
+    low, high = (ends.mask(chosen, table.gain) for ends in (table.gain_low, table.gain_high))
+    _change_lines(table, table.gain, low, high, ax)
     ax.annotate("training", (1, 1), xycoords="axes fraction", xytext=(3, 2), textcoords="offset points", va="bottom",
                 fontsize=LEAST_POINTS, color="#444444")
     for place, minutes in enumerate(table.train_minutes):
