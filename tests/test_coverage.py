@@ -87,26 +87,6 @@ def test_a_strip_is_evenly_spaced_frames_with_their_timesteps():
     assert strip.shape == (3, 2, 2, 3) and strip[:, 0, 0, 0].tolist() == [0, 4, 8] == steps
 
 
-def test_a_film_says_whose_it_is_how_it_ended_and_what_is_what():
-    frames = np.zeros((2, 320, 320, 3), np.uint8)
-    told = film.titled(frames, "MOVE", "pick-place", "success")
-    assert told.shape == (2, 360, 320, 3) and (told[:, film.BAND:] == frames).all()
-    band = told[:, :film.BAND]
-    assert (band[0] != band[1]).any(), "the timestep changes"
-    for words in (("static", "pick-place", "success"), ("MOVE", "push", "success"), ("MOVE", "pick-place", "failure")):
-        other = film.titled(frames, *words)
-        assert (other[0, :film.BAND] != band[0]).any()
-    dark = (told[:, :film.BAND] < 100).all(axis=3)
-    assert not dark[:, :, -4:].any() and not dark[:, -2:].any(), "no letter is cut off"
-
-
-def test_every_task_of_the_paper_has_its_colours_told():
-    assert set(film.SEEN) == set(PAPER_TASKS)
-    for task in PAPER_TASKS:
-        band = film.titled(np.zeros((1, 320, 320, 3), np.uint8), "static, episode 100", task, "success")[0, :film.BAND]
-        assert not (band[:, -4:] < 100).all(axis=2).any(), task
-
-
 def test_films_side_by_side_last_as_long_as_the_longest():
     short, long = np.full((2, 4, 4, 3), 10, np.uint8), np.arange(5, dtype=np.uint8)[:, None, None, None].repeat(4, 1)
     both = film.side_by_side([short, long.repeat(4, 2).repeat(3, 3)])
@@ -116,7 +96,7 @@ def test_films_side_by_side_last_as_long_as_the_longest():
 
 @needs_gl
 def test_a_film_holds_the_whole_demonstration(tmp_path):
-    frames = film.demonstration_frames(film.demonstration("pick-place", "move", 32), 0)
+    frames = film.marked(film.demonstration_take(film.demonstration("pick-place", "move", 32), 0))
     path = film.write_film(frames, tmp_path / "film.mp4")
     with av.open(str(path)) as film_again:
         assert len(list(film_again.decode(video=0))) == len(frames) > 50
@@ -129,10 +109,11 @@ def test_episodes_are_drawn_in_a_seeded_order_until_one_succeeds_and_one_fails(m
     spec = PolicyRun(task="pick-place", seed=0, collection=plan, training=training, evaluation=Evaluation(episodes=6))
     policy, _ = train(collect(plan, 0)[0], training, 0)
     monkeypatch.setattr(rollout, "EPISODE_STEPS", 6)
-    row, frames = film.episode_frames(PolicyAgent(policy, 0), spec, 4, 32)
-    assert row["trial"] == 4 and frames.shape == (7, 32, 32, 3)
+    row, taken = film.episode_take(PolicyAgent(policy, 0), spec, 4, 32)
+    frames = taken.frames
+    assert row["trial"] == 4 and frames.shape == (7, 32, 32, 3) and taken.places["target"].shape == (7, 3)
     moved = np.full((3, 4), 0.5, np.float32)
-    row, again = film.episode_frames(Recorded(moved), spec, 4, 32)
+    again = film.episode_take(Recorded(moved), spec, 4, 32)[1].frames
     assert again.shape == frames.shape and np.array_equal(again[0], frames[0]) and not np.array_equal(again, frames)
     played = []
 
@@ -140,12 +121,12 @@ def test_episodes_are_drawn_in_a_seeded_order_until_one_succeeds_and_one_fails(m
         played.append(number)
         return {"trial": number, "success": number in (1, 4)}, np.zeros((1, 2, 2, 3))
 
-    monkeypatch.setattr(film, "episode_frames", ends)
+    monkeypatch.setattr(film, "episode_take", ends)
     success, failure = film.one_of_each(lambda _: PolicyAgent(policy, 0), spec, np.random.default_rng(3), 32)
     assert (success[0]["success"], failure[0]["success"]) == (True, False)
     assert played == list(np.random.default_rng(3).permutation(6))[:len(played)]
     assert {success[0]["trial"], failure[0]["trial"]} <= set(played)
-    monkeypatch.setattr(film, "episode_frames", lambda *arguments: ({"success": False}, None))
+    monkeypatch.setattr(film, "episode_take", lambda *arguments: ({"success": False}, None))
     only = film.one_of_each(lambda _: PolicyAgent(policy, 0), spec, np.random.default_rng(3), 32)
     assert only == [({"success": False}, None)]
 

@@ -1,13 +1,16 @@
 """What is exported is read back by the package's own reader: numbers exactly, images within the codec's tolerance."""
 
 import json
+import re
 
 import numpy as np
 import pandas as pd
 import pyarrow.parquet as pq
 import pytest
+from huggingface_hub import DatasetCard
 
 from move.errors import BadInput
+from move.exchange import card
 from move.exchange import export as exporting
 from move.exchange.feature_stats import QUANTILES, feature_stats
 from move.learn import dataset
@@ -72,7 +75,7 @@ def test_the_files_are_those_of_lerobot_v3(tmp_path):
     out = tmp_path / "out"
     exporting.export(tmp_path / "a.zarr", out, "lerobot")
     assert {path.relative_to(out).as_posix() for path in out.rglob("*") if path.is_file()} == {
-        "meta/info.json", "meta/stats.json", "meta/tasks.parquet", "meta/move.json", exporting.EPISODES,
+        "README.md", "meta/info.json", "meta/stats.json", "meta/tasks.parquet", "meta/move.json", exporting.EPISODES,
         "data/chunk-000/file-000.parquet", "videos/observation.images.camera/chunk-000/file-000.mp4"}
     info = json.loads((out / "meta/info.json").read_text())
     assert (info["codebase_version"], info["total_frames"], info["fps"]) == ("v3.0", 20, 80)
@@ -90,6 +93,31 @@ def test_the_files_are_those_of_lerobot_v3(tmp_path):
     seconds = [row["videos/observation.images.camera/from_timestamp"] for row in rows]
     assert seconds == pytest.approx([0, 7 / 80, 12 / 80])
     np.testing.assert_allclose(rows[1]["stats/action/mean"], written.actions[7:12].mean(axis=0), rtol=1e-5)
+
+
+@pytest.mark.parametrize("images", [False, True])
+def test_the_card_is_one_that_the_hub_reads_and_says_what_the_data_are(tmp_path, images):
+    write(tmp_path / "a.zarr", images=images)
+    exporting.export(tmp_path / "a.zarr", tmp_path / "out", "lerobot")
+    read = DatasetCard.load(tmp_path / "out/README.md")
+    front = read.data.to_dict()
+    assert front["task_categories"] == ["robotics"] and "LeRobot" in front["tags"]
+    assert front["size_categories"] == ["n<1K"] and "license" not in front, "which is not ours to choose"
+    (config,) = front["configs"]
+    found = list((tmp_path / "out").glob(config["data_files"]))
+    assert [path.name for path in found] == ["file-000.parquet"]
+    assert "Pick-Place, collected by MOVE" in front["pretty_name"] in read.text
+    assert "3 demonstrations, 20 timesteps at 80 a second" in read.text and "No real robot" in read.text
+    shown = set(re.findall(r"^\| `(\S+)` \|", read.text, re.M))
+    assert shown == set(json.loads((tmp_path / "out/meta/info.json").read_text())["features"])
+
+
+def test_a_card_names_nothing_that_it_does_not_know(tmp_path):
+    odd = {"collection": {"task": "[a](javascript:b)", "method": "<img src=x>"}}
+    info = {"total_frames": 20_000, "total_episodes": 9, "fps": 80, "features": {}}
+    text = card.dataset_card(info, odd)
+    assert "javascript" not in text and "<img" not in text
+    assert DatasetCard(text).data.to_dict()["size_categories"] == ["10K<n<100K"]
 
 
 @pytest.mark.parametrize("images", [False, True])

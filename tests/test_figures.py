@@ -28,7 +28,7 @@ from move.figures.page.parameters import parts  # noqa: E402
 from move.figures.plots import real_figures, style  # noqa: E402
 from move.paper import PAPER_METHODS  # noqa: E402
 from move.realworld import tracking, workspace  # noqa: E402
-from move.realworld.trials import real_table  # noqa: E402
+from move.realworld.trials import comparisons, real_table  # noqa: E402
 from move.sim.collection import Collection  # noqa: E402
 from move.study.profiles import load_profile  # noqa: E402
 
@@ -55,7 +55,7 @@ def overview(data: Data) -> plt.Figure:
                                  columns=["object_x", "object_y", "target_x", "target_y"]).assign(method=name)
               for name in PAPER_METHODS}
     shares = pd.DataFrame({"method": PAPER_METHODS, "object": 0.25, "target": 0.4})
-    seen = Data(data.profile, data.folder, seen=fig2_overview.Seen(places, strips(3)))
+    seen = Data(data.profile, data.folder, seen=fig2_overview.Seen(places, strips(5)))
     return fig2_overview.draw({"": shares}, seen, task="pick-place")
 
 
@@ -102,7 +102,7 @@ def picture(name: str, world: World) -> plt.Figure:
     if name in ROBOT:
         return {"fig8_real_setup": setup, "fig8_object_places": orange}[name]()
     if name == "table3_real":
-        return real_figures.cells_figure(real_table())
+        return real_figures.cells_figure(real_table(), comparisons())
     world.show(PICTURES[name])
     return world.figures[name]
 
@@ -137,7 +137,7 @@ def drawn(request, world):
 def test_a_figure_can_be_printed(drawn):
     """One or two columns wide, no text under 7 points, none cut off at the edge, none over another."""
     assert round(drawn.get_figwidth(), 2) in (style.COLUMN_WIDTH, style.PAGE_WIDTH)
-    texts = [text for text in seen_texts(drawn) if text.get_text() != real_figures.SIMULATED_TEXT]
+    texts = seen_texts(drawn)
     assert texts and [text for text in texts if text.get_fontsize() < style.LEAST_POINTS] == []
     width, height = drawn.bbox.width, drawn.bbox.height
     boxes = {text: text.get_window_extent() for text in texts}
@@ -178,8 +178,9 @@ MARKS = {  # what a caption calls it -> whether it is drawn
     r"Rings": lambda figure: any(isinstance(dots, PathCollection) and dots.get_sizes().tolist() == [22]
                                  for ax in figure.axes for dots in ax.collections)
     and figure.get_label() != "fig3_dense",  # whose grasp points lie everywhere
-    r"triangles": lambda figure: lines(figure, marker="^") and figure.get_label() != "statistics",  # "one shape a ..."
-    r"hollow": lambda figure: [line for line in lines(figure, marker="o") if to_hex(line.get_mfc()) == "#ffffff"],
+    r"Open points": lambda figure: lines(figure, label="_pooled"),
+    r"hollow": lambda figure: [line for line in lines(figure, marker="o") if to_hex(line.get_mfc()) == "#ffffff"
+                               and line.get_label() != "_pooled"],
 }
 
 

@@ -799,11 +799,12 @@ def moved(task: str, part: str) -> Callable[[Row], bool]:
 
 HANDS = {"anywhere": "any-where", "within 3 cm": "within 3 cm", "one place": "one place"}
 LESS = {"object": "object", "object+target": "+ target", "all": "+ camera"}
+TRIED = {"grasp": "at its own grasps", "random": "elsewhere", "moving": "elsewhere, in motion"}
 READINGS = {"as printed": "#999999", "mended": "#56b4e9", "periodic": "#cc79a7"}
 DIFFERENCE: dict[str, Any] = {"columns": ("difference", "low", "high"), "across": True,
                               "colour": lambda row: {"static": "#000000", "adc": "#777777"}[row["baseline"]]}
 MARKS = [
-    Marks("fig1_sparse", "fig1_sparse_hand", "hand", ticks=lambda row: HANDS[row["hand"]]),
+    Marks("fig1_sparse", "fig1_sparse_hand", "whole", ticks=lambda row: HANDS[row["hand"]]),
     Marks("few_demonstrations", "few_demonstrations_points", "points", ticks=lambda row: row["timesteps"]),
     Marks("few_demonstrations", "few_demonstrations", "space", ticks=lambda row: row["timesteps"]),
     Marks("fig3_dense", "fig3_dense_hand", "hand", ticks=lambda row: HANDS[row["hand"]]),
@@ -817,7 +818,8 @@ MARKS = [
     Marks("table2_main", "table2_main_keypoints", "from keypoints", ticks=title),
     Marks("table2_main", "table2_main_differences", "MOVE", ticks=title, **DIFFERENCE),
     Marks("table2_main", "table2_main_differences_mean", "MOVE", ticks=lambda row: "mean of 10", **DIFFERENCE),
-    Marks("generalization", "generalization_rates", ticks=title),
+    *[Marks("generalization", "generalization_rates", title({"task": task}), of_task(task),
+            lambda row: TRIED[row["group"]]) for task in ("pick-place", "push", "window-open")],
     *[Marks("fig4_scaling", "fig4_scaling", title({"task": task}), of_task(task), lambda row: row["timesteps"])
       for task in PAPER_TASKS],
     *[Marks("fig6_dimensions", "fig6_dimensions", title({"task": task}), of_task(task), lambda row: row["moves"])
@@ -935,17 +937,33 @@ def test_ceiling_and_floor_stand_over_each_task_and_over_the_budgets(world):
                                           for agent in ("expert", "goal-blind")))
 
 
-def test_in_motion_is_a_triangle_and_at_its_own_grasps_is_hollow(world):
-    world.show("generalization")
-    (ax,) = [ax for ax in world.figures["generalization"].axes if drawn(ax)]
-    shapes: dict[tuple[str, bool], list[float]] = {}
-    for container in ax.containers:
-        line = container[0]
-        hollow = to_hex(line.get_markerfacecolor()) == "#ffffff"
-        shapes.setdefault((line.get_marker(), hollow), []).append(float(line.get_ydata()[0]))
-    for shape, group in ((("o", True), "grasp"), (("o", False), "random"), (("^", False), "moving")):
-        expected = [row["value"] for row in rows_of(world, "generalization_rates") if row["group"] == group]
-        assert sorted(shapes[shape]) == pytest.approx(sorted(expected), abs=ROUNDED), group
+@pytest.mark.parametrize("table", ["fig4_scaling", "generalization_rates", "table_adc", "fig_training_length"])
+def test_open_are_the_points_of_a_single_training_and_no_others(world, table):
+    """Whose interval knows of trainings what like cells tell alone; in their methods' markers."""
+    rows = rows_of(world, table)
+    lines = [line for ax in world.figures[RATES[table].figure].axes for line in ax.get_lines()
+             if line.get_label() == "_pooled" and to_hex(line.get_mfc()) == "#ffffff"]
+    found = [(line.get_marker(), float(y)) for line in lines for y in line.get_ydata() if np.isfinite(y)]
+    markers = {"static": "o", "adc": "s", "move": "^"}
+    expected = [(markers[row.get("method", "adc")], row["value"]) for row in rows
+                if len(str(row["seeds"]).split()) == 1]
+    assert [each[0] for each in sorted(found)] == [each[0] for each in sorted(expected)]
+    assert [each[1] for each in sorted(found)] == pytest.approx([each[1] for each in sorted(expected)], abs=ROUNDED)
+
+
+@pytest.mark.parametrize("place", ["world", "turned"])
+def test_the_map_of_the_difference_is_moves_minus_statics(place, request):
+    there = request.getfixturevalue(place)
+    there.show("fig1_sparse")
+    (ax,) = panels(there, "fig1_sparse", "b \u2212 a")
+    (mesh,) = (part for part in ax.collections if isinstance(part, QuadMesh))
+    shares = {}
+    for method in ("static", "move"):
+        rows = pd.concat([pd.DataFrame(run.rows) for run in there.found("fig1_sparse", method=method, **ANYWHERE)])
+        shares[method] = rows[rows.group == "grid"].groupby(["object_y", "object_x"]).success.mean().unstack()
+    change = (shares["move"] - shares["static"]).to_numpy()
+    assert np.asarray(mesh.get_array()).reshape(change.shape) == pytest.approx(change)
+    assert (change.mean() > 0) == (place == "world")
 
 
 def test_a_gain_and_its_minutes_stand_on_the_line_of_their_change(world):
@@ -953,7 +971,8 @@ def test_a_gain_and_its_minutes_stand_on_the_line_of_their_change(world):
     for ax, size in zip(panels(world, "table_recipe", "gain"), (7000, 20_000), strict=True):
         here = [row for row in rows if row["timesteps"] == size]
         assert [mark[1] for mark in drawn(ax, across=True)] == pytest.approx([row["gain"] for row in here], abs=ROUNDED)
-        assert [text.get_text().split()[0] for text in ax.texts] == [f"{row['train_minutes']:.1f}" for row in here]
+        assert [text.get_text().removesuffix(" min") for text in ax.texts] == [
+            "training", *(f"{row['train_minutes']:.1f}" for row in here)]
 
 
 def test_success_stands_over_what_the_same_data_cover(world):
@@ -961,7 +980,7 @@ def test_success_stands_over_what_the_same_data_cover(world):
     for word, column in (("object", "object"), ("camera", "camera"), ("both", "joint")):
         (ax,) = panels(world, "fig_coverage", word)
         found = sorted((to_hex(line.get_color()), round(float(x), 3), round(float(y), 3)) for line in ax.get_lines()
-                       if line.get_marker() in ("o", "^") for x, y in zip(line.get_xdata(), line.get_ydata(),
+                       if line.get_marker() in ("o", "s", "^") for x, y in zip(line.get_xdata(), line.get_ydata(),
                                                                           strict=True))
         methods = {"nothing": "static", "jumps": "adc"}
         expected = sorted((COLOURS[methods.get(row["moves"], "move")], round(row[column], 3), round(row["value"], 3))
@@ -1030,7 +1049,7 @@ def test_a_waterfall_and_the_leads_beside_it_are_of_their_case(world, case):
     for name, (*numbers, colour) in found.items():
         lead = leads.loc[name]
         assert numbers == pytest.approx([lead.difference, lead.low, lead.high], abs=ROUNDED)
-        assert colour == COLOURS["move"]
+        assert colour == "#000000"
     (diamond,) = (line for line in right.get_lines() if line.get_marker() == "D")
     assert tick(left, float(diamond.get_ydata()[0]), across=True) == "the paper"
     assert float(diamond.get_xdata()[0]) == pytest.approx(leads.paper.iloc[0])

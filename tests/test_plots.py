@@ -17,6 +17,7 @@ from move.figures.plots import maps, style  # noqa: E402
 COLOUR = {"static": "#0072b2", "adc": "#e69f00", "move": "#d55e00"}  # Okabe and Ito: blue, orange, vermillion
 NAME = {"static": "static", "adc": "ADC", "move": "MOVE"}
 VALUE = {"static": 0.2, "adc": 0.5, "move": 0.8}
+MARKER = {"static": "o", "adc": "s", "move": "^"}
 METHODS = list(VALUE)
 
 
@@ -53,7 +54,7 @@ DRAWN = {  # plot -> how it is drawn with every method
                           many("timesteps", (100, 200))),
     "printed_points": lambda: draw(plots.printed_points, rows(timesteps=20_000)),
     "task_rates": lambda: draw(plots.task_rates, rows(task="push"), pd.DataFrame()),
-    "own_and_elsewhere": lambda: draw(plots.own_and_elsewhere, rows(task="push", group="random")),
+    "own_and_elsewhere": lambda: draw(plots.own_and_elsewhere, rows(group="random")),
     "costs": lambda: draw(plots.costs, COSTS, "mean_steps", {}),
 }
 
@@ -65,7 +66,7 @@ def marks(ax: plt.Axes) -> dict[str, set[float]]:
         found.setdefault(to_hex(bar.get_facecolor()), set()).add(round(float(bar.get_height()), 6))
     for line in ax.get_lines():
         heights = {round(float(value), 6) for value in line.get_ydata() if np.isfinite(value)}
-        if line.get_marker() in ("o", "^", "D") and heights:
+        if line.get_marker() in ("o", "s", "^", "D") and heights:
             found.setdefault(to_hex(line.get_color()), set()).update(heights)
     return found
 
@@ -84,9 +85,40 @@ def test_every_plot_of_methods_stands_in_this_file():
               if getattr(plot, "__module__", "").startswith(plots.__name__) and not name.startswith("_")}
     assert public == {*DRAWN} | {"differences", "changes", "gains", "readings", "level", "coverages", "half_widths",
                                  "efficiencies", "forest", "forest_entries", "entries", "cost_entries",
-                                 "own_and_elsewhere_entries", "share_interval", "log_ticks", "points_axis", "short",
-                                 "reference",
+                                 "pooled_entry", "share_interval", "log_ticks", "points_axis", "short", "reference",
                                  "reference_entry"}
+
+
+@pytest.mark.parametrize("name", ["covered", "curve", "task_rates", "own_and_elsewhere"])
+def test_each_method_has_its_marker_in_every_plot_of_points(name):
+    drawn = {(to_hex(line.get_color()), line.get_marker()) for line in DRAWN[name]().get_lines()
+             if line.get_marker() in ("o", "s", "^", "v") and len(line.get_xdata())}
+    assert drawn == {(COLOUR[method], marker) for method, marker in MARKER.items()}
+    told = {handle.get_label(): handle.get_marker() for handle in plots.entries(METHODS)}
+    assert told == {NAME[method]: marker for method, marker in MARKER.items()}
+
+
+@pytest.mark.parametrize("plot", [
+    lambda table: draw(lambda rows, ax: plots.curve(rows, "timesteps", "", ax), table.assign(timesteps=100)),
+    lambda table: draw(plots.task_rates, table.assign(task="push"), pd.DataFrame()),
+    lambda table: draw(plots.own_and_elsewhere, table.assign(group="grasp"))])
+def test_a_point_whose_interval_is_pooled_is_open_and_the_legend_says_so(plot):
+    table = rows().assign(trainings=["moderated", "like cells", "moderated"])
+    hollow = {(to_hex(line.get_color()), y) for line in plot(table).get_lines()
+              if line.get_marker() in MARKER.values() and to_hex(line.get_mfc()) == "#ffffff"
+              for y in line.get_ydata() if np.isfinite(y)}
+    assert hollow == {(COLOUR["adc"], VALUE["adc"])}
+    (entry,) = plots.pooled_entry(table)
+    assert entry.get_label().startswith("open: one seed") and to_hex(entry.get_mfc()) == "#ffffff"
+    assert plots.pooled_entry(rows()) == [] == plots.pooled_entry(rows().assign(trainings="moderated"))
+
+
+def test_a_curve_may_show_a_dot_a_seed():
+    table = many("timesteps", (100, 200)).query("method == 'move'").assign(seeds=[[0.7, 0.9], [0.8, 0.6]])
+    ax = draw(lambda rows, ax: plots.curve(rows, "timesteps", "timesteps", ax, dots=True), table)
+    dots = [one.get_offsets() for one in ax.collections if isinstance(one, PathCollection)]
+    assert [one[:, 1].tolist() for one in dots] == [[0.7, 0.9], [0.8, 0.6]]
+    assert [one[0, 0] for one in dots] == pytest.approx([100, 200], abs=3)
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -122,6 +154,11 @@ def test_grouped_rates_name_each_bar_by_its_method_also_where_the_first_group_la
     named = {label: to_hex(handle[0].get_facecolor()) for handle, label in zip(handles, labels, strict=True)
              if label != "paper"}
     assert named == {NAME[name]: COLOUR[name] for name in METHODS}
+
+
+def test_grouped_rates_name_a_method_whose_first_bar_is_missing():
+    table = pd.concat([rows(where="inside").assign(value=[0.2, np.nan, 0.8]), rows(where="outside")])
+    assert "ADC" in draw(plots.grouped_rates, table, "where", ["inside", "outside"]).get_legend_handles_labels()[1]
 
 
 def test_what_is_missing_says_so():
@@ -165,9 +202,10 @@ def test_ticks_that_would_touch_have_no_name():
     assert [label.get_text() for label in ax.get_xticklabels()] == ["5k", "10k", "40k", ""]
 
 
-def test_the_papers_points_are_hollow_diamonds():
+def test_the_papers_points_are_hollow_diamonds_at_their_own_budget():
     ax = draw(plots.printed_points, rows(timesteps=20_000))
-    assert [(line.get_marker(), to_hex(line.get_mfc())) for line in ax.get_lines()] == [("D", "#ffffff")] * 3
+    assert [(line.get_marker(), line.get_mfc(), line.get_xdata()) for line in ax.get_lines()] == [
+        ("D", "none", [20_000])] * 3
     assert [handle.get_label() for handle in plots.entries(["move", "static"], "paper", missing=True)] == [
         "static", "MOVE", "paper", "missing"]
 
@@ -197,7 +235,8 @@ def test_the_readings_of_one_method_have_colours_that_no_method_has():
     drawn = {container.get_label(): to_hex(container[0].get_color()) for container in ax.containers}
     assert drawn == {name: colour.lower() for name, colour in plots.READINGS.items()}
     assert not set(drawn.values()) & set(COLOUR.values())
-    assert all(container[0].get_ydata()[0] == VALUE["adc"] for container in ax.containers)
+    assert all((container[0].get_ydata()[0], container[0].get_marker()) == (VALUE["adc"], MARKER["adc"])
+               for container in ax.containers)
 
 
 def test_task_rates_stand_under_their_tasks_between_floor_and_ceiling_with_the_papers_in_each_methods_colour():
@@ -218,21 +257,17 @@ def test_task_rates_stand_under_their_tasks_between_floor_and_ceiling_with_the_p
     assert all(theirs[colour][1] > ours[colour] for colour in ours), "beside the point, not under it"
 
 
-def test_a_rate_at_its_own_grasps_is_hollow_one_elsewhere_filled_and_one_in_motion_a_triangle():
-    table = pd.concat([rows(task="push", group=group).assign(value=lambda seen, part=part: seen.value * part)
-                       for group, part in (("grasp", 1), ("random", 0.5), ("moving", 0.25))]).assign(low=0.0)
-    drawn = [container[0] for container in draw(plots.own_and_elsewhere, table).containers]
-    expected = {(COLOUR[name], marker, filling or COLOUR[name], round(VALUE[name] * part, 6))
-                for name in METHODS for (marker, filling), part in zip(
-                    (("o", "#ffffff"), ("o", None), ("^", None)), (1, 0.5, 0.25), strict=True)}
-    assert {(to_hex(mark.get_color()), mark.get_marker(), to_hex(mark.get_mfc()), round(mark.get_ydata()[0], 6))
-            for mark in drawn} == expected and len(drawn) == 9
-    entries = plots.own_and_elsewhere_entries(table)
-    assert [entry.get_label() for entry in entries[:3]] == [NAME[name] for name in METHODS]
-    told = {entry.get_label(): (entry.get_marker(), to_hex(entry.get_mfc()).replace("#444444", "") or None)
-            for entry in entries[3:]}
-    assert told == {"at its own grasps": ("o", "#ffffff"), "elsewhere": ("o", None),
-                    "elsewhere, in motion": ("^", None)}
+def test_a_policy_is_a_line_over_the_places_where_it_was_tried():
+    table = pd.concat([rows(group=group).assign(value=lambda seen, part=part: seen.value * part)
+                       for group, part in (("moving", 0.25), ("grasp", 1), ("random", 0.5))]).assign(low=0.0)
+    ax = draw(plots.own_and_elsewhere, table[~((table.method == "adc") & (table.group == "random"))])
+    assert [label.get_text() for label in ax.get_xticklabels()] == [
+        "at its own\ngrasps", "elsewhere", "elsewhere,\nin motion"]
+    drawn = {to_hex(container[0].get_color()): (container[0].get_xdata().round().tolist(),
+                                                container[0].get_ydata().tolist()) for container in ax.containers}
+    assert drawn == {COLOUR[name]: (places, [pytest.approx(VALUE[name] * part) for part in parts])
+                     for name, places, parts in (("static", [0, 1, 2], (1, 0.5, 0.25)), ("adc", [0, 2], (1, 0.25)),
+                                                 ("move", [0, 1, 2], (1, 0.5, 0.25)))}
 
 
 def test_changes_and_gains_stand_at_their_numbers_beside_their_names_and_minutes():
@@ -244,7 +279,9 @@ def test_changes_and_gains_stand_at_their_numbers_beside_their_names_and_minutes
     assert [(container[0].get_xdata()[0], container[0].get_ydata()[0]) for container in success.containers] == [
         (0.9, 0), (0.7, 1)]
     assert [container[0].get_xdata()[0] for container in gain.containers] == [0.0, pytest.approx(-0.2)]
-    assert [text.get_text() for text in gain.texts] == ["2.0 min", "2.0 min"]
+    assert [text.get_text() for text in gain.texts] == ["training", "2.0 min", "2.0 min"]
+    widths = [np.ptp(container[2][0].get_segments()[0][:, 0]) for container in gain.containers]
+    assert widths == pytest.approx([0, 0.2]), "what the others are compared with has no interval"
 
 
 def test_costs_are_means_over_tasks_with_students_interval():
@@ -296,6 +333,31 @@ def test_a_map_has_one_colour_a_number_of_seeds_and_a_ring_that_shows_on_it():
     assert to_hex(mesh.cmap(mesh.norm(ring.get_array()[0]))) == colours[5]
     maps.seeds_bar(mesh, [ax], 5)
     assert [tick.get_text() for tick in figure.axes[1].get_yticklabels()] == list("012345")
+
+
+def test_a_map_of_the_difference_is_in_the_colour_of_the_method_that_is_ahead():
+    both = pd.concat([grid(2).assign(method="static"), grid(2).assign(method="move")])
+    both.loc[(both.method == "move") & (both.object_x == 0.0) & (both.group == "grid"), "success"] = True
+    both.loc[(both.method == "move") & (both.object_x == 0.2) & (both.group == "grid"), "success"] = False
+    figure, ax = plt.subplots()
+    mesh = maps.difference(both, ax)
+    values = np.asarray(mesh.get_array()).reshape(2, 3)
+    assert values.tolist() == [[1, 0, -1]] * 2, "columns are x, MOVE minus static"
+    assert [to_hex(mesh.cmap(mesh.norm(value))) for value in (1, -1)] == [COLOUR["move"], COLOUR["static"]]
+    assert len({to_hex(mesh.cmap(mesh.norm(count / 2))) for count in range(-2, 3)}) == 5 == mesh.cmap.N
+    maps.seeds_bar(mesh, [ax], 2, -2, "more")
+    assert [tick.get_text() for tick in figure.axes[1].get_yticklabels()] == ["\u22122", "\u22121", "0", "+1", "+2"]
+
+
+def test_names_of_lines_are_kept_apart_in_their_order_and_moved_no_further_than_need_be():
+    table = pd.concat([rows(task=task, moves="all").assign(value=value, low=0, high=1, joint=0.5) for task, value in
+                       (("push", 0.30), ("hammer", 0.31), ("assembly", 0.8))]).query("method == 'move'")
+    _, ax = plt.subplots()
+    plots.covered(table, "joint", ax, named=True)
+    placed = {text.get_text(): text.get_position()[1] for text in ax.texts}
+    assert list(placed) == ["Push", "Hammer", "Assembly"] and placed["Assembly"] == pytest.approx(0.8)
+    assert placed["Hammer"] - placed["Push"] == pytest.approx(0.07)
+    assert placed["Hammer"] + placed["Push"] == pytest.approx(0.61)
 
 
 def test_frames_stand_apart_with_their_labels():

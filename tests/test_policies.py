@@ -30,9 +30,9 @@ def test_the_films_shown_are_what_the_shipped_policies_did_and_other_episodes_ar
         acting = policies.acting(spec, LAPTOP)
         for row in listed[listed.method == spec.method].itertuples():
             assert isinstance(acting(row.episode), Recorded)
-            again, frames = film.episode_frames(acting(row.episode), spec, row.episode, 16)
+            again, taken = film.episode_take(acting(row.episode), spec, row.episode, 16)
             assert ("success" if again["success"] else "failure", again["steps"]) == (row.outcome, row.steps)
-            assert len(frames) == row.steps + 1
+            assert len(taken.frames) == row.steps + 1
         assert isinstance(acting(1), PolicyAgent) and 1 not in policies.recorded_episodes(spec, LAPTOP)
 
 

@@ -14,7 +14,7 @@ from matplotlib.patches import Rectangle  # noqa: E402
 from move.figures.plots import real as real_plots  # noqa: E402
 from move.figures.plots import real_figures, style  # noqa: E402
 from move.paper import REAL_RADIUS_M  # noqa: E402
-from move.realworld.trials import real_table  # noqa: E402
+from move.realworld.trials import comparisons, real_table  # noqa: E402
 
 COLOUR = {method: style.COLOURS[method].lower() for method in ("static", "move")}
 
@@ -62,7 +62,18 @@ def test_a_score_stands_within_what_its_successes_allow(ax):
     for bar, line, row in zip(ax.patches, ax.get_lines(), table.itertuples(), strict=True):
         assert (bar.get_y(), bar.get_y() + bar.get_height()) == pytest.approx((row.score_low, row.score_high))
         assert line.get_ydata()[0] == row.normalised and row.score_low <= row.normalised <= row.score_high
-        assert to_hex(line.get_color()) == COLOUR[row.method]
+        assert (to_hex(line.get_color()), line.get_mfc()) == (COLOUR[row.method], "white"), "the paper's"
+
+
+def test_a_bracket_joins_the_two_methods_of_a_budget_over_their_intervals_and_tells_their_p(ax):
+    table, compared = real_table(), comparisons()
+    real_plots.brackets(table, compared, ax)
+    p = compared.set_index(["first", "second"]).fisher
+    assert [text.get_text() for text in ax.texts] == [
+        f"p = {p['static 35k', 'move 35k']:.3f}", f"p = {p['static 75k', 'move 75k']:.3f}"]
+    for line, places in zip(ax.get_lines(), ([0, 1], [2, 3]), strict=True):
+        assert sorted(set(line.get_xdata())) == places
+        assert min(line.get_ydata()) > table.high[places].max()
 
 
 def test_the_half_disc_is_seen_from_above_with_the_arms_left_on_the_left(ax):
@@ -118,12 +129,16 @@ def test_figure_8_counts_each_methods_demonstrations_grasps_and_cells():
     plt.close(figure)
 
 
-def test_what_is_simulated_says_so_across_the_figure():
+def test_what_is_simulated_is_headed_so_and_nothing_lies_over_the_data():
     places = pd.DataFrame([{"part": "p", "method": method, "index": index, "row": 1.0, "column": 2.0, "height": 72,
                             "width": 128} for method, count in (("static", 2), ("move", 3)) for index in range(count)])
     speeds = pd.DataFrame({"method": ["static", "move"], "mean_speed": [1.0, 2.0], "unit": "px"})
     for simulated in (True, False):
         figure = real_figures.object_figure(places, speeds, simulated=simulated)
         assert titles(figure) == ["static: the orange (n = 2)", "MOVE: the orange (n = 3)", "its speed"]
-        assert (real_figures.SIMULATED_TEXT in [text.get_text() for text in figure.texts]) is simulated
+        assert figure.get_suptitle() == real_figures.SIMULATED_TEXT * simulated
+        assert len(figure.texts) == simulated, "the heading alone"
+        style.changed(figure, "Not the shipped figure")
+        assert figure.get_suptitle().split("\n")[-1] == "Not the shipped figure", "under it, and not in its place"
+        assert (real_figures.SIMULATED_TEXT in figure.get_suptitle()) is simulated
         plt.close(figure)

@@ -1,5 +1,6 @@
 """The real-robot notebooks run from nothing, without a network, and are kept clean."""
 
+import json
 from pathlib import Path
 
 import cells
@@ -70,6 +71,9 @@ def students_arm(folder: Path) -> Path:
         return np.hstack([steps * [[90, 150, -120, 60, 30]] + 3 * episode, 2 + 37 * steps])
 
     w.lerobot_v2(folder, episodes=3, values=values, names=names, width=6, robot_type="so100", codec="libx264")
+    info = json.loads((folder / "meta/info.json").read_text())
+    info["features"]["action"]["names"] = names
+    (folder / "meta/info.json").write_text(json.dumps(info))
     for path in sorted(folder.rglob("*.mp4")):
         w.write_video(path, range(w.STEPS), size=(48, 64))
     return folder
@@ -90,6 +94,11 @@ def test_a_students_data_set_of_another_arm_is_drawn_without_pipers_kinematics(t
     panels = [text.get_text() for ax in drawn["fig8_real_setup"].axes for text in ax.texts]
     assert any("3 of 3 episodes: the arm is so100, not PIPER" in " ".join(text.split()) for text in panels)
     assert ["0.0 s", "0.1 s", "0.2 s"] == panels[:3], "frames are labelled by their times"
+    joints = {text.get_text(): [line.get_ydata()[[0, -1]].tolist() for line in ax.get_lines()]
+              for ax in drawn["fig8_real_setup"].axes for text in ax.texts if ax.get_lines()}
+    assert joints == {name: [pytest.approx([3 * episode, end + 3 * episode], abs=1e-3) for episode in range(3)]
+                      for name, end in (("shoulder_pan", 90), ("shoulder_lift", 150), ("elbow_flex", -120),
+                                        ("wrist_flex", 60), ("wrist_roll", 30))}, "in degrees, a line an episode"
     assert "Not the shipped figure" in drawn["fig8_real_setup"].get_suptitle()
     assert made.data.seen.steps.empty
     assert not any("hand" in ax.get_title("left") for ax in drawn["fig8_real_setup"].axes)

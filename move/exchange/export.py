@@ -1,5 +1,6 @@
 """Collected demonstrations in other programs' formats: a LeRobot v3.0 data set, or diffusion_policy's replay buffer.
 
+    README.md (the dataset card)
     meta/info.json  meta/stats.json  meta/tasks.parquet  meta/move.json (how the demonstrations were collected)
     meta/episodes/chunk-000/file-000.parquet             which frames belong to which episode, and its statistics
     data/chunk-000/file-000.parquet                      every number of every frame
@@ -31,6 +32,7 @@ import pyarrow.parquet as pq
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from move.errors import BadInput
+from move.exchange.card import dataset_card
 from move.exchange.feature_stats import Stats, feature_stats, pooled_stats
 from move.files import refuse_existing, written_aside
 from move.learn import dataset
@@ -154,8 +156,9 @@ def write_lerobot(demonstrations: Demonstrations, folder: Path, attributes: dict
     pq.write_table(pa.Table.from_pylist(_episode_rows(demonstrations, episodes, origin)), folder / EPISODES)
     tasks = pd.DataFrame({"task_index": [0]}, index=pd.Index([origin.task], name="task"))
     tasks.to_parquet(folder / "meta/tasks.parquet")
-    for name, content in (("info", _info(demonstrations, origin)), ("stats", pooled_stats(episodes)),
-                          ("move", attributes)):
+    info = _info(demonstrations, origin)
+    (folder / "README.md").write_text(dataset_card(info, attributes), encoding="utf-8")
+    for name, content in (("info", info), ("stats", pooled_stats(episodes)), ("move", attributes)):
         (folder / f"meta/{name}.json").write_text(json.dumps(content, indent=1) + "\n")
     if demonstrations.has_images:
         images = demonstrations.observations

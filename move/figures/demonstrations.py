@@ -1,4 +1,4 @@
-"""Films of demonstrations: static, ADC and MOVE side by side, task by task."""
+"""Films of demonstrations: static, ADC and MOVE side by side, task by task; as WebP, too, for pages such as README."""
 
 from __future__ import annotations
 
@@ -31,10 +31,11 @@ def seen(
 
     films = {}
     for task in steps([] if gl_problem() else tasks, "tasks"):
-        three = [film.titled(film.demonstration_frames(film.demonstration(task, method, image_size), seed),
-                             NAMES[method], task, "success") for method in PAPER_METHODS]
+        three = film.side_by_side([film.titled(film.demonstration_take(film.demonstration(
+            task, method, image_size), seed), NAMES[method], task, "success") for method in PAPER_METHODS])
         ending = "" if task == "pick-place" else f"_{task}"
-        films[task] = film.write_film(film.side_by_side(three), data.folder / f"demonstrations{ending}.mp4")
+        films[task] = film.write_film(three, data.folder / f"demonstrations{ending}.mp4")
+        film.write_webp(three, data.folder / f"demonstrations{ending}.webp")
     return films
 
 

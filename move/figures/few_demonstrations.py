@@ -52,9 +52,11 @@ def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:
     for ax, rates in zip(axes, (at_points, whole), strict=True):
         plots.curve(rates, "timesteps", "timesteps of demonstrations", ax, log=True)
     axes[1].set_ylabel("")
-    titles(axes, ["at the nine points", "whole space"])
+    titles(axes, [f"{words} (n = {' or '.join(f'{count:,}' for count in sorted(table.episodes.unique()))} a point)"
+                  for words, table in (("at the nine points", tables["points"]), ("whole space", tables[""]))])
     missing = bool(pd.concat([at_points, whole]).value.isna().any())
-    figure.legend(handles=plots.entries(["static", "move"], missing=missing), ncol=3, loc="outside upper center")
+    figure.legend(handles=[*plots.entries(["static", "move"], missing=missing), *plots.pooled_entry(whole)], ncol=4,
+                  loc="outside upper center")
     return figure
 
 
@@ -80,7 +82,8 @@ WORDS = Words(
     shown=(
         f"Success in figure 1's experiment against the budget, (a) at the nine grasp points of the demonstrations "
         f"themselves and (b) over the whole space. In these budgets static makes about 2, 5 and 9 demonstrations at "
-        f"each point, MOVE a fifth fewer. {INTERVALS} Question marks are budgets that are not computed yet."),
+        f"each point, MOVE a fifth fewer; n is episodes over all seeds. {INTERVALS} Question marks "
+        f"are budgets that are not computed yet."),
     alt="Two panels with a curve a method over the budget.",
     tables={
         "": f"Figure 1 with fewer demonstrations: the whole space. {RATES}",

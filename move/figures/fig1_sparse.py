@@ -21,7 +21,7 @@ from move.figures.page.captions import COSTS, DIFFERENCES, INTERVALS, RATES, Wor
 from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Multiple, Observation, Repeats, Seeds
 from move.figures.plots import maps
-from move.figures.plots.panels import empty_panel, legend_below, seed_dot
+from move.figures.plots.panels import empty_panel, key_under, legend_below, seed_dot
 from move.figures.plots.style import PAGE_WIDTH, titles
 from move.figures.tables import (
     difference_table,
@@ -124,11 +124,15 @@ def printed(tables: dict[str, pd.DataFrame], data: Data) -> dict[str, pd.DataFra
 
 
 def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:
-    """Two maps, and the rates over the whole space by where the hand starts."""
-    figure, axes = plt.subplots(1, 3, figsize=(PAGE_WIDTH, 2.3), width_ratios=[1, 1, 1.1])
-    success_maps(data.episodes[data.episodes.hand == "anywhere"], axes[:2])
-    by_hand(data.with_missing(tables["hand"], ["hand", "method"]), axes[2])
-    titles(axes, ["static", "MOVE", "whole space, by the hand's start"])
+    """Two maps, their difference, and the rates over the whole space by where the hand starts."""
+    figure, axes = plt.subplots(1, 4, figsize=(PAGE_WIDTH, 2.1), width_ratios=[1, 1, 1, 1])
+    episodes = data.episodes[data.episodes.hand == "anywhere"]
+    success_maps(episodes, axes[:2])
+    difference_map(episodes, axes[2])
+    if axes[0].axison:  # there is a map
+        key_under(axes[0], maps.GRASP_POINT)
+    by_hand(data.with_missing(tables["hand"], ["hand", "method"]), axes[3])
+    titles(axes, ["static", "MOVE", "b \N{MINUS SIGN} a", "whole space"])
     return figure
 
 
@@ -145,6 +149,19 @@ def success_maps(episodes: pd.DataFrame, axes: Sequence[Axes]) -> None:
     axes[1].set_ylabel("")
     if mesh is not None:
         maps.seeds_bar(mesh, axes, episodes.seed.nunique())
+
+
+def difference_map(episodes: pd.DataFrame, ax: Axes) -> None:
+    """MOVE minus static, cell by cell, with its colour bar; an empty panel where one of them has no map."""
+    gridded = episodes[episodes.group == "grid"]
+    if set(gridded.method) < set(COMPARED):
+        empty_panel("missing", ax)
+        return
+    seeds = episodes.seed.nunique()
+    mesh = maps.difference(gridded, ax)
+    ax.set_anchor("N")
+    ax.set_ylabel("")
+    maps.seeds_bar(mesh, [ax], seeds, -seeds, "more seeds with MOVE")
 
 
 def by_hand(rates: pd.DataFrame, ax: Axes) -> None:
@@ -173,9 +190,9 @@ WORDS = Words(
     title="Figure 1. Nine grasp points: success over the places between",
     shown=(
         f"(a, b) Static and MOVE, {MAPS} Rings are the nine grasp points, filled with their own success. "
-        f"(c) Success over the whole space by where the hand starts: {STARTS} {INTERVALS} White dots are single "
-        f"seeds, dotted lines the paper's values."),
-    alt="Two maps of a space of 30 by 30 cm, coloured by success, and a bar chart.",
+        f"(c) In how many seeds more MOVE succeeds there than static. (d) Success over the whole space by "
+        f"where the hand starts: {STARTS} {INTERVALS} White dots are single seeds, dotted lines the paper's values."),
+    alt="Two maps of a space of 30 by 30 cm, coloured by success, a map of their difference, and a bar chart.",
     tables={
         "": f"Figure 1: nine grasp points, the whole space. {RATES}",
         "points": f"Figure 1: at the nine grasp points themselves. {RATES}",

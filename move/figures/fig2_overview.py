@@ -24,7 +24,7 @@ from move.sim.tasks import TASKS, get_task
 SIMULATES = True
 
 Strips = Mapping[str, tuple[np.ndarray, Sequence[int]]]  # title -> frames (count, size, size, 3), their timesteps
-LONGEST = 40  # timesteps of a strip
+LONGEST = 40  # timesteps of a strip of one motion alone
 
 
 class Seen(NamedTuple):
@@ -38,11 +38,11 @@ def seen(
     data: Data, *, task: TaskName = "pick-place", rotating_task: TaskName = "assembly", timesteps: Count = 2500,
     frames: Frames = 8, image_size: Pixels = 160, seed: RandomSeed = 0,
 ) -> Seen:
-    """One collection a method without images, and a demonstration of each motion alone with them.
+    """One collection a method without images; with them a demonstration of each, and of two motions alone.
 
     Args:
-        task: whose configurations are drawn.
-        rotating_task: whose object is turned in the second strip.
+        task: whose configurations and demonstrations are drawn.
+        rotating_task: whose object is turned in one of the last strips.
         frames: of each strip.
         image_size: pixels along a side of a frame.
     """
@@ -52,11 +52,16 @@ def seen(
     collected: dict[str, pd.DataFrame] = {
         name: coverage.configurations(Collection(task=task, method=name, timesteps=timesteps), seed)
         for name in PAPER_METHODS}
-    shown = {} if gl_problem() else {"translation": task, "rotation": rotating_task, "camera": task}
-    return Seen(collected, {
-        f"{part} alone, {TASKS[name].title} ({film.SEEN[name]}), {film.pace(part)}": film.strip(
-            film.demonstration_frames(film.demonstration(name, "move", image_size, film.only(part)), seed)[:LONGEST],
-            frames) for part, name in shown.items()})
+    if gl_problem():
+        return Seen(collected, {})
+    strips = {f"{NAMES[name]}, {TASKS[task].title} ({film.rings(task)})": film.strip(
+        film.marked(film.demonstration_take(film.demonstration(task, name, image_size), seed)), frames)
+        for name in PAPER_METHODS}
+    for part, name in (("rotation", rotating_task), ("camera", task)):
+        alone = film.demonstration_take(film.demonstration(name, "move", image_size, film.only(part)), seed)
+        strips[f"{part} alone, {TASKS[name].title}, {film.pace(part)}"] = film.strip(
+            film.marked(alone)[:LONGEST], frames)
+    return Seen(collected, strips)
 
 
 def source(data: Data, *, task: str, timesteps: int, seed: int) -> str:
@@ -75,29 +80,28 @@ def tables(data: Data, *, task: str) -> dict[str, pd.DataFrame]:
 
 
 def draw(tables: dict[str, pd.DataFrame], data: Data, *, task: str) -> Figure:
-    """For each way of collecting where object and target were, and below strips of frames."""
+    """A map a way of collecting of where object and target were, and below strips of frames."""
     seen, strips = data.seen
-    ranges = {"object": get_task(task).object_range, "target": get_task(task).target_range}
+    ranges = {"object": get_task(task).object_range}
+    if get_task(task).has_target:
+        ranges["target"] = get_task(task).target_range
     methods, share = list(seen), tables[""].set_index("method")
     figure = plt.figure(figsize=(PAGE_WIDTH, 2.9 + 0.98 * max(len(strips), 1)))
     top, bottom = figure.subfigures(2, 1, squeeze=False, height_ratios=[2.7, 0.1 + 1.05 * max(len(strips), 1)])[:, 0]
     for part in (top, bottom):
         part.set_facecolor("none")
-    panels = top.subplots(len(ranges), len(methods), squeeze=False, sharex=True,
-                          height_ratios=[box.high[1] - box.low[1] for box in ranges.values()])
-    texts = []
-    for row, (name, box) in zip(panels, ranges.items(), strict=True):
-        for ax, method in zip(row, methods, strict=True):
-            maps.coverage(seen[method], name, box.low, box.high, ax)
-            texts.append(f"{NAMES[method]}, {name}: {100 * share.loc[method, name]:.0f} % of cells")
-            ax.set_xlabel("x (cm)" if ax in panels[-1] else "")
-            ax.set_ylabel(f"{name} y (cm)" if method == methods[0] else "")
+    panels = top.subplots(1, len(methods), sharex=True, sharey=True, squeeze=False)[0]
+    for ax, method in zip(panels, methods, strict=True):
+        for name, box in ranges.items():
+            maps.coverage(seen[method], name, box.low, box.high, ax, f"{name} {100 * share.loc[method, name]:.0f} %")
+        ax.set(xlabel="x (cm)", ylabel="y (cm)" if method == methods[0] else "")
+    texts = [NAMES[method] for method in methods]
     strip_axes = bottom.subplots(max(1, len(strips)), 1, squeeze=False)[:, 0]
     for ax, (frames, steps) in zip(strip_axes, strips.values(), strict=False):
         maps.strip(frames, [str(step) for step in steps], ax)
     if not strips:
         empty_panel(gl_problem() or "no images", strip_axes[0])
-    titles([*panels.flat, *strip_axes], [*texts, *(strips or [""])])
+    titles([*panels, *strip_axes], [*texts, *(strips or [""])])
     return figure
 
 
@@ -116,12 +120,14 @@ def answer(tables: dict[str, pd.DataFrame], data: Data, *, timesteps: int) -> st
 WORDS = Words(
     title="Figure 2. The idea: points against segments",
     shown=(
-        "(a to f) Where the object, until it is grasped, and the target were at every timestep that each way of "
-        "collecting recorded, seen from above; the rectangle is the range that evaluation draws from; the percentage "
-        "is the share of a 10 x 10 grid's cells visited. ADC (adversarial data collection) makes object and target "
-        "jump. (g to i) Frames of demonstrations in which one thing alone moves; the number is the timestep. The "
-        "titles say how much faster than in the data sets."),
-    alt="Six scatter plots of places and three strips of camera images of a robot arm.",
+        "(a to c) Where the object, until it is grasped, and the target were at every timestep that each way of "
+        "collecting recorded, seen from above; the rectangles are the ranges that evaluation draws from; the "
+        "percentage is the share of a 10 x 10 grid's cells visited. ADC (adversarial data collection) makes object and "
+        "target jump. (d to f) Frames of one demonstration each, ADC's with the jumps of table 2; "
+        "the number is the timestep, the rings are drawn round object and target, and a line shows the way each came. "
+        "(g, h) One thing alone moves; the titles say how much "
+        "faster than in the data sets."),
+    alt="Three scatter plots of places and five strips of camera images of a robot arm.",
     tables={
         "": "Figure 2: share of the cells of each range that the demonstrations visit, in per cent.",
     },

@@ -15,6 +15,7 @@ from move.figures.page.captions import COSTS, DIFFERENCES, INTERVALS, RATES, Wor
 from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Counts, Observation, Repeats, Seeds
 from move.figures.plots import maps
+from move.figures.plots.panels import key_under, legend_below
 from move.figures.plots.style import PAGE_WIDTH, titles
 from move.figures.tables import (
     difference_table,
@@ -81,11 +82,12 @@ def draw(tables: dict[str, pd.DataFrame], data: Data, *, timesteps: tuple[int, .
     for ax, method in zip(axes, COMPARED, strict=False):
         if ax.axison:  # there is a map
             maps.grasps(grasped[grasped.method == method], ax)
+            key_under(ax, maps.GRASP)
     by_hand(data.with_missing(tables["hand"], ["hand", "method"]), axes[2])
     by_budget = data.with_missing(tables["budgets"], ["timesteps", "method"])
     plots.curve(by_budget, "timesteps", "timesteps", axes[3], log=True)
     axes[3].set_ylabel("")
-    axes[3].legend(loc="lower right")
+    legend_below(axes[3], lines=3)
     titles(axes, ["static", "MOVE", "by the hand's start", "by budget"])
     return figure
 

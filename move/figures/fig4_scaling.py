@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from pydantic import Field
 
 from move.figures import plots
-from move.figures.page.captions import INTERVALS, RATES, Words
+from move.figures.page.captions import INTERVALS, POOLED, RATES, Words
 from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Seeds
 from move.figures.plots.panels import empty_panel
@@ -154,8 +154,8 @@ def _curves(rates: pd.DataFrame, printed: pd.DataFrame) -> Figure:
         ax.tick_params(labelbottom=True)
         ax.set_ylabel("success (%)" if ax in axes[:, 0] else "")
     titles(list(axes.flat), [TASKS[task].title for task in PAPER_TASKS])
-    figure.legend(handles=plots.entries(list(rates.method.unique()), "paper, in the method's colour",
-                                        bool(rates.value.isna().any())), ncol=5, loc="outside upper center")
+    known = plots.entries(list(rates.method.unique()), "paper, in the method's colour", bool(rates.value.isna().any()))
+    figure.legend(handles=[*known, *plots.pooled_entry(rates)], ncol=6, loc="outside upper center")
     return figure
 
 
@@ -204,8 +204,8 @@ WORDS = Words(
     title="Figure 4. Success against the amount of data",
     shown=(
         f"Success of each method against the timesteps of demonstrations, one panel a task, at table 2's "
-        f"configurations. {INTERVALS} Diamonds are the paper's values at its own budgets (drawn a little to the "
-        f"right), question marks budgets that are not computed yet."),
+        f"configurations. {INTERVALS} Diamonds are the paper's values at its own budgets, question marks "
+        f"budgets that are not computed yet. {POOLED}"),
     alt="Ten small panels, one a task, each with a curve a method over the budget.",
     tables={
         "": f"Figure 4: success against the amount of data. {RATES}",

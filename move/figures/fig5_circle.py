@@ -14,6 +14,7 @@ from move.figures.page.captions import COSTS, DIFFERENCES, INTERVALS, RATES, Wor
 from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Observation, Repeats, Seeds
 from move.figures.plots import maps
+from move.figures.plots.panels import key_under
 from move.figures.plots.style import NAMES, PAGE_WIDTH, titles
 from move.figures.tables import (
     differences_at,
@@ -75,6 +76,8 @@ def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:
     for ax in axes[:2]:
         if ax.axison:  # there is a map
             maps.circle(CIRCLE, ax)
+    if axes[0].axison:
+        key_under(axes[0], maps.GRASP_POINT)
     rates = data.with_missing(tables["hand"], ["hand", "method"])
     for ax, where in zip(axes[2:], ("inside", "outside"), strict=True):
         by_hand(rates[(rates["where"] == where) | rates["where"].isna()], ax)  # NaN: both are missing

@@ -15,7 +15,7 @@ from move.figures import plots
 from move.figures.page.captions import INTERVALS, RATES, Words
 from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Seeds
-from move.figures.plots.panels import empty_panel
+from move.figures.plots.panels import seed_dot
 from move.figures.plots.style import PAGE_WIDTH, titles
 from move.figures.tables import VARIANTS, counts_text, difference_brief, largest, rate_table, variant_rows
 from move.sim.collection import FASTEST, FASTEST_TURN
@@ -78,7 +78,7 @@ def speed_table(episodes: pd.DataFrame, noise: TrainingNoise = UNKNOWN) -> pd.Da
 
 
 def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:
-    """One row a task, one column a part whose speed is varied; static as a dashed line with its band."""
+    """One row a task, one panel a part whose speed is varied; static as a dashed line with its band."""
     rates = data.with_missing(tables[""], BY)
     units = {"object": "object's speed (m per step)", "target": "target's speed (m per step)",
              "camera": "camera's speed (degrees per step)"}
@@ -86,20 +86,22 @@ def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:
     still = rates[(rates.part == "nothing") & rates.value.notna()]
     figure, axes = plt.subplots(len(tasks), max(len(parts), 1), figsize=(PAGE_WIDTH, 1.75 * len(tasks) + 0.4),
                                 squeeze=False, sharey=True)
+    texts = {}
     for row, task in zip(axes, tasks, strict=True):
         here = rates[rates.task == task]
-        for ax, part in zip(row, parts, strict=False):
-            if len(moved := here[here.part == part]):
-                plots.curve(moved, "speed", units[part], ax)
-                for static in still[still.task == task].itertuples():
-                    plots.reference(static, ax)
-            else:
-                empty_panel("not part of this study", ax)
+        studied = [part for part in parts if part in set(here.part)]
+        for ax, part in zip(row, studied, strict=False):
+            plots.curve(here[here.part == part], "speed", units[part], ax, dots=True)
+            for static in still[still.task == task].itertuples():
+                plots.reference(static, ax)
             ax.set_ylabel("success (%)" if ax is row[0] else "")
-    titles(list(axes.flat), [f"{TASKS[task].title}, {part}" for task in tasks for part in parts or ["nothing"]])
-    shown = [plots.reference_entry("static")] if len(still) else []
-    figure.legend(handles=[*shown, *plots.entries(["move"], missing=bool(rates.value.isna().any()))], ncol=3,
-                  loc="outside upper center")
+            texts[ax] = f"{TASKS[task].title}, {part}"
+        for ax in row[len(studied):]:
+            ax.remove()
+    titles(list(texts), list(texts.values()))
+    known = [plots.reference_entry("static")] * bool(len(still)) + plots.entries(
+        ["move"], missing=bool(rates.value.isna().any()))
+    figure.legend(handles=[*known, seed_dot(), *plots.pooled_entry(rates)], ncol=5, loc="outside upper center")
     return figure
 
 
@@ -117,8 +119,8 @@ WORDS = Words(
     title="Figure 7. How fast may it move?",
     shown=(
         f"Success against one largest speed, the others as everywhere else; the dashed line is static collection, "
-        f"the band its interval. {INTERVALS} Question marks are speeds that are not computed yet. The paper prints no "
-        f"numbers for this figure."),
+        f"the band its interval. {INTERVALS} White dots are single seeds, question marks speeds that "
+        f"are not computed yet. The paper prints no numbers for this figure."),
     alt="A grid of curves over the speed, one row a task, one column for the object, the target and the camera.",
     tables={
         "": f"Figure 7: the largest speed of one thing. {RATES}",

@@ -76,7 +76,7 @@ def draw(tables: dict[str, pd.DataFrame], data: Data) -> dict[str, Figure]:
     demos, cells, steps, places = data.seen
     figures = {"fig8_real_setup": real_figures.setup_figure(
         cells, steps, workspace.frame_strips(demos.episodes), simulated=demos.simulated,
-        lacking=workspace.why_no_positions(demos.episodes))}
+        joints=workspace.joint_table(demos.episodes), lacking=workspace.why_no_positions(demos.episodes))}
     if len(places):
         speeds = tracking.object_speeds(places, metres_per_pixel=demos.about.get("metres_per_pixel"))
         figures["fig8_object_places"] = real_figures.object_figure(places, speeds, simulated=demos.simulated)
@@ -104,7 +104,8 @@ WORDS = Words(
         "Left: the way of the end effector to each grasp (dots), seen from above on the half disc of 60 cm radius; the "
         "black square is the arm's base, y grows to the left as seen by the arm. Right: the cells of 5 cm that it "
         "passed through, up to as many timesteps for each method. Below: frames of one demonstration of each method, "
-        "each at its own times; orange: the object, blue: the tray it is put on, black: the fingers."),
+        "each at its own times; orange: the object, blue: the tray it is put on, black: the fingers. Of "
+        "another arm than the paper's its joints over time are drawn in place of the hand's way."),
     alt="Half discs with trajectories and visited cells, and two strips of images from above.",
     tables={
         "checks": "What was checked in the real-robot demonstrations.",

@@ -80,7 +80,7 @@ def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:
     """Success against what the data cover: of the object, of the camera, of both together."""
     figure, axes = plt.subplots(1, 3, figsize=(PAGE_WIDTH, 2.6), sharey=True)
     for ax, column in zip(axes, ("object", "camera", "joint"), strict=True):
-        plots.covered(data.seen, column, ax)
+        plots.covered(data.seen, column, ax, named=column == "joint")
         ax.set_ylabel("success (%)" if ax is axes[0] else "")
     titles(list(axes), ["object", "camera", "both together"])
     figure.legend(*axes[0].get_legend_handles_labels(), ncol=4, loc="outside upper center")
@@ -120,8 +120,9 @@ WORDS = Words(
     title="Does success follow what the data cover?",
     shown=(
         f"Success from pixels against the share of equal cells that the data visit: (a) of the object's positions, (b) "
-        f"of the camera's angles, (c) of both together. One mark a task and way to collect, triangles where parts of "
-        f"MOVE move alone; grey lines join the marks of a task. {INTERVALS}"),
+        f"of the camera's angles, (c) of both together. One mark a task and way to collect, small and light where "
+        f"only some of what MOVE moves does; grey lines join the marks of a task. The axes begin at other shares. "
+        f"{INTERVALS}"),
     alt="Three clouds of points in the methods' colours, joined task by task.",
     tables={
         "": f"Success, and shares of cells that the data visit in their first timesteps. {RATES}",

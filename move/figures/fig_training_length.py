@@ -84,7 +84,8 @@ def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:
         plots.curve(rates[rates.task == task], "length", "gradient steps / the recipe's", ax, log=True)
         ax.set_ylabel("success (%)" if ax is axes[0, 0] else "")
     titles(list(axes.flat), [TASKS[task].title for task in tasks])
-    figure.legend(handles=plots.entries(list(rates.method.unique()), missing=bool(rates.value.isna().any())), ncol=4,
+    figure.legend(handles=[*plots.entries(list(rates.method.unique()), missing=bool(rates.value.isna().any())),
+                           *plots.pooled_entry(rates)], ncol=4,
                   loc="outside upper center")
     return figure
 

@@ -18,6 +18,7 @@ from move.figures.fig1_sparse import ANYWHERE, COMPARED, TRACED_BACK
 from move.figures.page.captions import DIFFERENCES, RATES, Words
 from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Multiple, Repeats, Seeds
+from move.figures.plots import style
 from move.figures.plots.axes import GREY
 from move.figures.plots.panels import empty_panel
 from move.figures.plots.style import COLOURS, PAGE_WIDTH, titles
@@ -268,11 +269,12 @@ def _waterfall(steps: pd.DataFrame, rates: pd.DataFrame, lines: Sequence[str], a
 
 def _leads(leads: pd.DataFrame, lines: Sequence[str], ax: Axes) -> None:
     """MOVE minus static under each setting, a point with its interval a line; the paper's as a diamond."""
+    colour, marker = style.DIFFERENCES["static"]
     for place, name in enumerate(lines):
         if name in leads.index:
             row = leads.loc[name]
             ax.errorbar(row.difference, place, xerr=[[row.difference - row.low], [row.high - row.difference]],
-                        fmt="o", color=COLOURS["move"], ms=4, capsize=2, lw=0.9)
+                        fmt=marker, color=colour, ms=4, capsize=2, lw=0.9)
     if len(leads):
         ax.plot(leads.paper.iloc[0], len(lines) - 1, "D", color="black", mfc="white", ms=4.5)
     plots.points_axis(ax, "points")

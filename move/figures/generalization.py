@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import partial
 
 import matplotlib.pyplot as plt
@@ -9,10 +10,10 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from move.figures import plots
-from move.figures.page.captions import DIFFERENCES, INTERVALS, RATES, Words
+from move.figures.page.captions import DIFFERENCES, INTERVALS, POOLED, RATES, Words
 from move.figures.page.data import Data
 from move.figures.page.parameters import Count, MethodName, Seeds
-from move.figures.plots.style import NAMES, PAGE_WIDTH
+from move.figures.plots.style import NAMES, PAGE_WIDTH, titles
 from move.figures.tables import above_text, difference_table, rate_table, readable
 from move.learn.evaluation import Evaluation
 from move.paper import PAPER_METHODS
@@ -80,10 +81,19 @@ def printed(tables: dict[str, pd.DataFrame], data: Data) -> dict[str, pd.DataFra
 
 
 def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:
-    """For each task and method its rates at its own grasps, elsewhere and in motion."""
-    figure, ax = plt.subplots(figsize=(PAGE_WIDTH, 2.6))
-    plots.own_and_elsewhere(tables["rates"], ax)
-    figure.legend(handles=plots.own_and_elsewhere_entries(tables["rates"]), ncol=6, loc="outside upper center")
+    """One panel a task: each method's rates at its own grasps, elsewhere and in motion."""
+    rates, tasks = tables["rates"], list(tables[""].task.unique())
+    columns = min(len(tasks), 3)
+    rows = math.ceil(len(tasks) / columns)
+    figure, axes = plt.subplots(rows, columns, figsize=(PAGE_WIDTH, 0.4 + 2.2 * rows), squeeze=False, sharey=True)
+    for ax, task in zip(axes.flat, tasks, strict=False):
+        plots.own_and_elsewhere(rates[rates.task == task], ax)
+        ax.set_ylabel("success (%)" if ax in axes[:, 0] else "")
+    for ax in axes.flat[len(tasks):]:
+        ax.remove()
+    titles(list(axes.flat[:len(tasks)]), [TASKS[task].title for task in tasks])
+    figure.legend(handles=[*plots.entries(list(rates.method.unique())), *plots.pooled_entry(rates)], ncol=4,
+                  loc="outside upper center")
     return figure
 
 
@@ -101,10 +111,10 @@ def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
 WORDS = Words(
     title="Failing to learn, to generalise, or to follow?",
     shown=(
-        f"Success of each policy at the grasps of its own demonstrations (hollow; fewer configurations than elsewhere, "
-        f"fewest where a budget is small), at configurations that no training used (filled), and at the same with "
-        f"everything in motion (triangles). {INTERVALS}"),
-    alt="For each task and method three points joined by a line: its own grasps, elsewhere, in motion.",
+        f"Success of each policy at the grasps of its own demonstrations (fewer configurations than elsewhere, fewest "
+        f"where a budget is small), at configurations that no training used, and at the same with everything in "
+        f"motion. {INTERVALS} {POOLED}"),
+    alt="One panel a task with a line a method over three places: its own grasps, elsewhere, in motion.",
     tables={
         "": (
             "Success in per cent at a policy's own grasps, elsewhere, and elsewhere in motion; what is lost "

@@ -72,7 +72,8 @@ def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:
             plots.level(controls[name], NAMES[name], ax)
     ax.set_ylim(-0.03, 1.12)
     titles([ax], [f"{TASKS[data.runs[0].spec.task].title}, from keypoints"])
-    figure.legend(handles=plots.entries(list(rates.method.unique()), "paper, from images"), ncol=4,
+    figure.legend(handles=[*plots.entries(list(rates.method.unique()), "paper, from images"),
+                            *plots.pooled_entry(rates)], ncol=4,
                   loc="outside upper center", columnspacing=0.8, handletextpad=0.4)
     return figure
 

@@ -67,11 +67,11 @@ def seen(data: Data, *, task: str, seed: RandomSeed = 0, frames: Frames = 8, ima
     for result in steps([] if gl_problem() else kept, "policies"):
         assert isinstance(result.spec, PolicyRun)
         method, acting = result.spec.method, policies.acting(result.spec, data.profile)
-        for row, played in film.one_of_each(acting, result.spec, np.random.default_rng(seed), image_size):
+        for row, take in film.one_of_each(acting, result.spec, np.random.default_rng(seed), image_size):
             ended, title = OUTCOMES[row["success"]], f"{NAMES[method]}, episode {row['trial']}"
-            films.append(film.write_film(film.titled(played, title, task, ended),
+            films.append(film.write_film(film.titled(take, title, task, ended),
                                          data.folder / f"rollouts_{method}_{ended}.mp4"))
-            strips[f"{title}: {ended} ({film.SEEN[task]})"] = film.strip(played, frames)
+            strips[f"{title}, ends in {ended} ({film.rings(task)})"] = film.strip(film.marked(take), frames)
             rows.append({"method": method, "episode": row["trial"], "outcome": ended, "steps": row["steps"],
                          "in the evaluation": OUTCOMES[result.rows[row["trial"]]["success"]]})
     return Seen(pd.DataFrame(rows, columns=COLUMNS), strips, films, absent)
@@ -112,9 +112,10 @@ def answer(tables: dict[str, pd.DataFrame], data: Data, *, episodes: int) -> str
 WORDS = Words(
     title="What success and failure look like",
     shown=(
-        "Evaluation episodes drawn at random, for each method until one has succeeded and one has failed; red: the "
-        "object, blue: the target. The number on a frame is its timestep. An episode ends ten steps after its first "
-        "success, or after 200; one successful step makes it a success."),
+        "Evaluation episodes drawn at random, for each method until one has succeeded and one has failed; a yellow "
+        "ring is round the object, a white one round the target, and a line shows the way it came. The number on a "
+        "frame is its timestep. An episode ends ten steps after its first success, or after 200; one successful step "
+        "makes it a success."),
     alt="Strips of camera images of a robot arm, one a shown episode.",
     tables={
         "": "The episodes shown, how they ended here and in the evaluation.",

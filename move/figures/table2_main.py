@@ -106,7 +106,8 @@ def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:
     plots.task_rates(tables["keypoints"], floors, axes[1])
     axes[0].tick_params(labelbottom=False)
     handles, _ = axes[0].get_legend_handles_labels()
-    figure.legend(handles=handles, ncol=6, loc="outside upper center")
+    figure.legend(handles=[*handles, *plots.pooled_entry(pd.concat([tables[""], tables["keypoints"]]))], ncol=7,
+                  loc="outside upper center")
     plots.differences(differences, "task", [TASKS[name].title for name in differences.task.unique()], axes[2],
                       tables["differences_mean"])
     handles, _ = axes[2].get_legend_handles_labels()

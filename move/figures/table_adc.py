@@ -9,7 +9,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from move.figures import plots
-from move.figures.page.captions import INTERVALS, RATES, Words
+from move.figures.page.captions import INTERVALS, POOLED, RATES, Words
 from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Seeds
 from move.figures.plots.panels import SEEN
@@ -65,7 +65,7 @@ def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:
     for ax, kind in zip(axes.flat, kinds, strict=True):
         plots.readings(rates[rates.observation == kind], "jumping", ax)
     handles, _ = axes[0, 0].get_legend_handles_labels()
-    figure.legend(handles=handles, ncol=3, loc="outside upper center")
+    figure.legend(handles=[*handles, *plots.pooled_entry(rates)], ncol=4, loc="outside upper center")
     titles(list(axes.flat), [SEEN[kind] for kind in kinds])
     return figure
 
@@ -82,7 +82,7 @@ WORDS = Words(
     title="Which ADC is the stronger baseline?",
     shown=(
         f"Success of ADC under three readings of when its objects jump, from pixels and from keypoints, where "
-        f"perception is given. {INTERVALS}"),
+        f"perception is given. {INTERVALS} {POOLED}"),
     alt="Two panels of points with intervals for ten tasks and up to three readings.",
     tables={
         "": f"Three readings of ADC. {RATES}",

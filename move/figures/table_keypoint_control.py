@@ -76,7 +76,7 @@ def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:
     figure, ax = plt.subplots(figsize=(PAGE_WIDTH, 2.7))
     plots.task_rates(tables[""], controls(data.episodes), ax)
     handles, _ = ax.get_legend_handles_labels()
-    figure.legend(handles=handles, ncol=5, loc="outside upper center")
+    figure.legend(handles=[*handles, *plots.pooled_entry(tables[""])], ncol=6, loc="outside upper center")
     titles([ax], ["ten tasks, from keypoints"])
     return figure
 

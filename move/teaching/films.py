@@ -23,7 +23,7 @@ def methods_film(task: str, size: int, seed: int) -> Video | Markdown:
     """One demonstration each of static, ADC and MOVE, which start alike, side by side."""
     if problem := gl_problem():
         return Markdown(f"No film: {problem}.")
-    films = [film.titled(film.demonstration_frames(film.demonstration(task, name, size), seed), NAMES[name], task)
+    films = [film.titled(film.demonstration_take(film.demonstration(task, name, size), seed), NAMES[name], task)
              for name in PAPER_METHODS]
     return embedded(film.side_by_side(films), f"{task}_methods")
 
@@ -36,8 +36,8 @@ def outcomes_film(policy: DiffusionPolicy, spec: PolicyRun, size: int, seed: int
     if problem := gl_problem():
         return Markdown(f"No film: {problem}.")
     played = film.one_of_each(lambda _: PolicyAgent(policy, spec.seed), spec, np.random.default_rng(seed), size)
-    films = [film.titled(frames, f"configuration {row['trial']}", spec.task, "success" if row["success"] else "failure")
-             for row, frames in played]
+    films = [film.titled(take, f"configuration {row['trial']}", spec.task, "success" if row["success"] else "failure")
+             for row, take in played]
     return embedded(film.side_by_side(films), f"{spec.method}_outcomes")
 
 

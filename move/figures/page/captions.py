@@ -40,6 +40,7 @@ class Words:
 
 INTERVALS = ("Error bars are 95 % intervals that include how trainings and configurations differ; a cell's training "
              "variance is moderated by that of all like cells.")
+POOLED = "Open points rest on a single training: how trainings differ is that of like cells alone."
 RATES = "Success in per cent with 95 % intervals, which include how trainings and configurations differ."
 DIFFERENCES = ("MOVE minus another method in points, paired by configuration, with 95 % intervals; p after Holm's "
                "adjustment is over the rows of one comparison.")

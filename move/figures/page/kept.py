@@ -24,7 +24,7 @@ from move.machine import gl_problem
 from move.study.provenance import deciding
 from move.study.spec import RESULTS_VERSION
 
-WRITTEN = (".png", ".pdf", ".mp4", ".md", ".csv", ".tex")  # in the order in which they are listed
+WRITTEN = (".png", ".pdf", ".mp4", ".webp", ".md", ".csv", ".tex")  # in the order in which they are listed
 
 
 def keep(name: str, data: Data, chosen: Mapping[str, Any], answers: Mapping[str, str]) -> None:

@@ -147,7 +147,7 @@ def _write(made: Made, sources: Mapping[str, str]) -> None:
         if made.change:
             style.changed(figure, str(made.change))
         if profile.stamp:
-            style.stamp(figure, profile.stamp, "red", 80)
+            style.stamp(figure, profile.stamp)
         of = words if name == made.name else words.others[name]
         caption = captions.caption(of, sources.get(name, made.data.source), made.answers[name])
         caption = replace(caption, title=_named(caption.title, made), text=_named(caption.text, made))

@@ -10,7 +10,7 @@ distance success by distance, predicted rates
 points   differences, claims, factors, tasks side by side, coverage
 """
 
-from move.figures.plots.axes import log_ticks, points_axis, short
+from move.figures.plots.axes import log_ticks, points_axis, pooled_entry, short
 from move.figures.plots.bars import cost_entries, costs, grouped_rates, ladder, rates, share_interval
 from move.figures.plots.curves import (
     coverages,
@@ -33,7 +33,6 @@ from move.figures.plots.points import (
     forest_entries,
     gains,
     own_and_elsewhere,
-    own_and_elsewhere_entries,
     readings,
     task_rates,
 )
@@ -41,6 +40,6 @@ from move.figures.plots.points import (
 __all__ = [
     "READINGS", "VERDICT_COLOURS", "changes", "cost_entries", "costs", "coverages", "covered", "curve", "differences",
     "efficiencies", "entries", "forest", "forest_entries", "gains", "grouped_rates", "half_widths", "ladder", "level",
-    "log_ticks", "own_and_elsewhere", "own_and_elsewhere_entries", "points_axis", "printed_points", "rates", "readings",
-    "reference", "reference_entry", "share_interval", "short", "task_rates",
+    "log_ticks", "own_and_elsewhere", "points_axis", "pooled_entry", "printed_points", "rates", "readings", "reference",
+    "reference_entry", "share_interval", "short", "task_rates",
 ]

@@ -1,4 +1,4 @@
-"""What plots of rates share: axes in per cent and in points, ticks, tasks' names, ends of error bars."""
+"""What plots of rates share: axes in per cent and in points, ticks, tasks' names, points with their intervals."""
 
 from __future__ import annotations
 
@@ -6,19 +6,52 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
+import pandas as pd
 from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, MultipleLocator
 
+from move.figures.plots.style import COLOURS, MARKERS
 from move.sim.tasks import TASKS
 
 PRINTED: dict[str, Any] = {"color": "black", "ls": ":", "lw": 1.4}  # the paper's value on a bar
 
 GREY = "#777777"
+POOLED = "like cells"  # what an interval knows of trainings where there is a single one, see `Estimate`
 
 
 def errors(row) -> list[list[float]]:
     """How far an interval goes below and above its value, as `Axes.errorbar` takes it."""
     return [[row.value - row.low], [row.high - row.value]]
+
+
+def rate_points(places: Sequence[float] | np.ndarray, rows: pd.DataFrame, method: str, ax: Axes,
+                label: str | None = None, line: str = "", colour: str = "") -> None:
+    """A method's rates with their intervals, in its colour and with its marker; open where an interval is pooled.
+
+    Args:
+        places: on the horizontal axis, one a row.
+        rows: value, low, high; and, where it is known, trainings, see `is_pooled`.
+        line: style of a line that joins them; by default none.
+        colour: in place of the method's.
+    """
+    colour, spots = colour or COLOURS[method], np.asarray(places, float)
+    ax.errorbar(spots, rows.value, [rows.value - rows.low, rows.high - rows.value], fmt=MARKERS[method] + line, ms=3.4,
+                lw=1.0, capsize=1.5, color=colour, label=label)
+    pooled = is_pooled(rows)
+    ax.plot(spots[pooled], rows.value[pooled], MARKERS[method], ms=3.4, mew=0.9, color=colour, mfc="white", zorder=3,
+            label="_pooled")
+
+
+def is_pooled(rows: pd.DataFrame) -> np.ndarray:
+    """Whether the interval of each row comes from a single training and how like cells differ, (rows,) bool."""
+    return np.asarray(rows["trainings"] == POOLED) if "trainings" in rows else np.zeros(len(rows), bool)
+
+
+def pooled_entry(table: pd.DataFrame) -> list[Line2D]:
+    """What a legend shows of the open points of `table`; nothing where it has none."""
+    return [Line2D([], [], ls="none", marker="o", ms=3.4, mew=0.9, color="#444444", mfc="white",
+                   label="open: one seed, spread of like cells")] * bool(is_pooled(table).any())
 
 
 def success_axis(ax: Axes, bars: bool = False) -> None:
@@ -42,6 +75,18 @@ def task_axis(tasks: Sequence[str], ax: Axes) -> None:
     ax.set_xticks(range(len(tasks)), [name.replace("-", "-\n") for name in names] if len(tasks) > 4 else names)
     ax.set_xlim(-0.6, len(tasks) - 0.4)
     success_axis(ax)
+
+
+def kept_apart(places: np.ndarray, least: float) -> np.ndarray:
+    """Increasing places moved as little as it takes (least squares) to be `least` apart.
+
+    >>> kept_apart(np.array([0.0, 1.0, 1.0]), 0.5).tolist()
+    [0.0, 0.75, 1.25]
+    """
+    from scipy.optimize import isotonic_regression  # slow to import
+
+    steps = least * np.arange(len(places))
+    return isotonic_regression(places - steps).x + steps
 
 
 def log_ticks(ticks: Iterable[float], ax: Axes) -> None:

@@ -45,7 +45,7 @@ def grouped_rates(table: pd.DataFrame, by: str, labels: list[str], ax: Axes) -> 
         place = groups.index(getattr(row, by)) + (methods.index(row.method) - (len(methods) - 1) / 2) * width
         _bar(place, row, 0.9 * width, ax, label=None if row.method in named else NAMES[row.method])
         _printed_line(place, row.paper, width, ax)
-        named.add(row.method)
+        named |= set() if np.isnan(row.value) else {row.method}
     ax.set_xticks(range(len(groups)), labels)
     ax.set_xlim(-0.5, len(groups) - 0.5)
     success_axis(ax, bars=True)

@@ -11,28 +11,31 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, MultipleLocator
 
-from move.figures.plots.axes import log_ticks, short, success_axis
-from move.figures.plots.style import COLOURS, LEAST_POINTS, NAMES
+from move.figures.plots.axes import kept_apart, log_ticks, rate_points, short, success_axis
+from move.figures.plots.style import COLOURS, LEAST_POINTS, MARKERS, NAMES
 
 REFERENCE: dict[str, Any] = {"ls": "--", "lw": 1.0}
 
 
-def curve(table: pd.DataFrame, x: str, label: str, ax: Axes, log: bool = False) -> None:
+def curve(table: pd.DataFrame, x: str, label: str, ax: Axes, log: bool = False, dots: bool = False) -> None:
     """Success rate against column `x`, one line a method, bars for the 95 % interval, "?" where a rate is missing.
 
     Args:
         table: method, `x` (numbers), value (NaN where it is missing), low, high.
         label: of the horizontal axis.
+        dots: draw a white dot a seed, of the column seeds.
     """
     ticks = sorted(table[x].unique())
-    apart = 0.025 * (np.log(ticks[-1] / ticks[0]) if log else ticks[-1] - ticks[0])
+    apart = 0.035 * (np.log(ticks[-1] / ticks[0]) if log else ticks[-1] - ticks[0])
     methods = [name for name in COLOURS if name in set(table.method)]
     for method, shift in zip(methods, apart * np.linspace(-1, 1, len(methods)) * (len(methods) > 1), strict=True):
         rows = table[table.method == method].sort_values(x)
         rows = rows.assign(place=rows[x] * np.exp(shift) if log else rows[x] + shift)
         there, missing = rows[rows.value.notna()], rows[rows.value.isna()]
-        ax.errorbar(there.place, there.value, [there.value - there.low, there.high - there.value], fmt="o-", ms=3,
-                    lw=1.1, capsize=1.5, color=COLOURS[method], label=NAMES[method])
+        rate_points(there.place, there, method, ax, NAMES[method], "-")
+        for row in there.itertuples() if dots else ():
+            ax.scatter([row.place + apart / 2] * len(row.seeds), row.seeds, s=8, color="white", lw=0.6, zorder=4,
+                       edgecolor=COLOURS[method], clip_on=False)
         height = 0.03 + 0.09 * methods.index(method)
         ax.plot(missing[x], np.full(len(missing), height), ls="none", marker="$?$", ms=5, mew=0.3,
                 color=COLOURS[method], label="_missing")
@@ -45,13 +48,13 @@ def curve(table: pd.DataFrame, x: str, label: str, ax: Axes, log: bool = False) 
 
 
 def printed_points(points: pd.DataFrame, ax: Axes) -> None:
-    """The paper's success at its own budgets, a hollow diamond in each method's colour, a little to the right.
+    """The paper's success at its own budgets, a hollow diamond in each method's colour.
 
     Args:
         points: method, timesteps, value.
     """
     for row in points.itertuples():
-        ax.plot(1.15 * row.timesteps, row.value, "D", ms=3.5, mew=1.0, color=COLOURS[row.method], mfc="white", zorder=4,
+        ax.plot(row.timesteps, row.value, "D", ms=3.5, mew=1.0, color=COLOURS[row.method], mfc="none", zorder=4,
                 clip_on=False)
 
 
@@ -79,7 +82,7 @@ def reference_entry(method: str) -> Line2D:
 
 def entries(methods: Sequence[str], paper: str = "", missing: bool = False) -> list[Line2D]:
     """What a legend shows of curves and points: a line a method, and in grey what diamonds and question marks are."""
-    handles = [Line2D([], [], color=COLOURS[name], marker="o", ms=3, lw=1.1, label=NAMES[name])
+    handles = [Line2D([], [], color=COLOURS[name], marker=MARKERS[name], ms=3.4, lw=1.0, label=NAMES[name])
                for name in COLOURS if name in methods]
     handles += [Line2D([], [], ls="none", marker="D", ms=3.5, color="#444444", mfc="white", label=paper)] * bool(paper)
     handles += [Line2D([], [], ls="none", marker="$?$", ms=5, mew=0.3, color="#444444", label="missing")] * missing
@@ -115,8 +118,7 @@ def half_widths(table: pd.DataFrame, ax: Axes) -> None:
     for deviation, rows in table.groupby("deviation"):
         ax.plot(rows.seeds, rows.half_width, "o-", color="black", alpha=0.35 + 0.65 * deviation / most, ms=3.5)
     ends = table[table.seeds == table.seeds.max()].sort_values(["half_width", "deviation"])
-    heights = np.maximum.accumulate(ends.half_width - apart * np.arange(len(ends))) + apart * np.arange(len(ends))
-    for last, height in zip(ends.itertuples(), heights - (heights - ends.half_width).mean(), strict=True):
+    for last, height in zip(ends.itertuples(), kept_apart(ends.half_width.to_numpy(), apart), strict=True):
         ax.annotate(f"{100 * last.deviation:.0f} points", (last.seeds, height), xytext=(4, -2),
                     textcoords="offset points", fontsize=LEAST_POINTS)
     ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{100 * value:.0f}"))

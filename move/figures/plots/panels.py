@@ -35,6 +35,11 @@ def legend_below(ax: Axes, more: Sequence[Line2D] = (), columns: int = 2, lines:
     ax.legend(handles=[*handles, *more], ncol=columns, loc="upper center", bbox_to_anchor=(0.5, -0.02 - 0.12 * lines))
 
 
+def key_under(ax: Axes, entry: Line2D) -> None:
+    """What one kind of mark on a map is, under its axis; the layout takes no notice of it."""
+    ax.legend(handles=[entry], loc="upper left", bbox_to_anchor=(-0.1, -0.31)).set_in_layout(False)
+
+
 def methods_and_seeds(figure: Figure, rates: pd.DataFrame) -> None:
     """A legend over the figure: the methods' colours and what a white dot is."""
     bars = [Patch(color=COLOURS[name], alpha=0.85, label=NAMES[name]) for name in COLOURS if name in set(rates.method)]

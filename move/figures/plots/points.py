@@ -8,11 +8,10 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
-from matplotlib.ticker import FuncFormatter
+from matplotlib.ticker import FuncFormatter, MultipleLocator
 
-from move.figures.plots.axes import GREY, errors, points_axis, success_axis, task_axis
-from move.figures.plots.style import COLOURS, DIFFERENCES, LEAST_POINTS, NAMES
+from move.figures.plots.axes import GREY, kept_apart, points_axis, rate_points, success_axis, task_axis
+from move.figures.plots.style import COLOURS, DIFFERENCES, LEAST_POINTS, MARKERS, NAMES
 from move.paper import PAPER_TASKS
 from move.sim.tasks import TASKS
 
@@ -22,6 +21,8 @@ VERDICT_COLOURS = {
     "not computed yet": "#BBBBBB",
 }
 """Of `move.statistics.verdicts.VERDICTS` those that a claim with a number can have."""
+PLACES = {"grasp": "at its own\ngrasps", "random": "elsewhere", "moving": "elsewhere,\nin motion"}
+"""Where a policy is tried, by the group of its episodes."""
 READINGS = {"as printed": "#999999", "mended": "#56B4E9", "periodic": "#CC79A7"}
 
 
@@ -99,7 +100,7 @@ def efficiencies(table: pd.DataFrame, ax: Axes) -> None:
         ax.errorbar(value, place, xerr=[[value - low], [high - value]], fmt="o", ms=3.5, lw=1, capsize=1.5,
                     color="black", mfc="white" if row.ratio > row.most else "black")
         if row.high > row.most:
-            ax.plot(row.most, place, ">", ms=4, color="black")
+            ax.plot(1.08 * row.most, place, ">", ms=4, color="black")
     ax.axvline(1, color="black", lw=0.8)
     ax.set_xscale("log", base=2)
     ax.set_xticks([0.25, 0.5, 1, 2, 4], ["1/4", "1/2", "1", "2", "4"])
@@ -126,7 +127,7 @@ def task_rates(table: pd.DataFrame, controls: pd.DataFrame, ax: Axes) -> None:
                         color=GREY)
     for method, shift in zip(methods, np.linspace(-0.28, 0.24, len(methods)), strict=True):
         rows = table[table.method == method].set_index("task").reindex(tasks)
-        _rates_at(np.arange(len(tasks)) + shift, rows, COLOURS[method], NAMES[method], ax)
+        rate_points(np.arange(len(tasks)) + shift, rows, method, ax, NAMES[method])
         if "paper" in table:
             ax.plot(np.arange(len(tasks)) + shift + 0.1, rows.paper, "D", color=COLOURS[method], mfc="white", ms=3,
                     mew=0.9, zorder=4)
@@ -148,49 +149,31 @@ def readings(table: pd.DataFrame, column: str, ax: Axes) -> None:
     tasks = [task for task in TASKS if task in set(table.task)]
     for (name, colour), shift in zip(READINGS.items(), (-0.2, 0.0, 0.2), strict=True):
         rows = table[table[column] == name].set_index("task").reindex(tasks)
-        _rates_at(np.arange(len(tasks)) + shift, rows, colour, name, ax)
+        rate_points(np.arange(len(tasks)) + shift, rows, "adc", ax, name, colour=colour)
     task_axis(tasks, ax)
-
-
-def _rates_at(places: np.ndarray, rows: pd.DataFrame, colour: str, label: str, ax: Axes) -> None:
-    ax.errorbar(places, rows.value, [rows.value - rows.low, rows.high - rows.value], fmt="o", ms=3.2, lw=0.9,
-                capsize=1.5, color=colour, label=label)
 
 
 def own_and_elsewhere(table: pd.DataFrame, ax: Axes) -> None:
-    """One group for each task: a policy's rate at its own grasps (hollow), elsewhere (filled), in motion (triangle).
+    """A line for each method's policy: its rate at its own grasps, elsewhere, and elsewhere in motion.
 
     Args:
-        table: task, method, group ("grasp", "random" or "moving"), value, low, high; any group may be missing.
+        table: method, group ("grasp", "random" or "moving"), value, low, high; any group may be missing.
     """
-    tasks, methods = list(table.task.unique()), [name for name in COLOURS if name in set(table.method)]
-    shifts = dict(zip(methods, np.linspace(-0.26, 0.26, len(methods)) * (len(methods) > 1), strict=True))
-    aside = {"grasp": -0.08, "random": 0.0, "moving": 0.08}
-    for (task, method), rows in table.groupby(["task", "method"], sort=False):
-        place = tasks.index(task) + shifts[method]
-        rows = rows.set_index("group").reindex([group for group in aside if group in set(rows.group)]).reset_index()
-        ax.plot([place + aside[group] for group in rows.group], rows.value, color=COLOURS[method], lw=2, alpha=0.35)
-        for row in rows.itertuples():
-            ax.errorbar(place + aside[row.group], row.value, errors(row), fmt="^" if row.group == "moving" else "o",
-                        ms=3.5, lw=0.8, capsize=1.5, color=COLOURS[method],
-                        mfc="white" if row.group == "grasp" else COLOURS[method])
-    task_axis(tasks, ax)
-
-
-def own_and_elsewhere_entries(table: pd.DataFrame) -> list[Line2D | Patch]:
-    """What a legend of `own_and_elsewhere` shows: a colour a method, and in grey the three shapes."""
-    methods = [Patch(color=COLOURS[name], label=NAMES[name]) for name in COLOURS if name in set(table.method)]
-    shapes = (("o", "white", "at its own grasps"), ("o", "#444444", "elsewhere"),
-              ("^", "#444444", "elsewhere, in motion"))
-    return methods + [Line2D([], [], ls="none", marker=marker, ms=4, color="#444444", mfc=filling, label=name)
-                      for marker, filling, name in shapes]
+    methods = [name for name in COLOURS if name in set(table.method)]
+    for method, shift in zip(methods, np.linspace(-0.12, 0.12, len(methods)) * (len(methods) > 1), strict=True):
+        rows = table[table.method == method].set_index("group").reindex(list(PLACES)).dropna(subset="value")
+        rate_points(np.array([list(PLACES).index(group) for group in rows.index]) + shift, rows, method, ax,
+                    NAMES[method], "-")
+    ax.set_xticks(range(len(PLACES)), list(PLACES.values()))
+    ax.set_xlim(-0.4, len(PLACES) - 0.6)
+    success_axis(ax)
 
 
 def changes(table: pd.DataFrame, ax: Axes) -> None:
     """Success of the recipe with one change at a time, one line a row with its interval.
 
     Args:
-        table: as `move.figures.tables.rates.recipe_table` gives it.
+        table: as `move.figures.table_recipe.tables` gives it.
     """
     _change_lines(table, table.value, table.low, table.high, ax)
     ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{100 * value:.0f}"))
@@ -200,10 +183,16 @@ def changes(table: pd.DataFrame, ax: Axes) -> None:
 def gains(table: pd.DataFrame, ax: Axes) -> None:
     """What one change at a time gains over the chosen recipe, one line a row with its interval and training's minutes.
 
+    The chosen recipe is drawn at 0, without an interval: it is what the others are compared with.
+
     Args:
-        table: as `move.figures.tables.rates.recipe_table` gives it; a gain of NaN is left out.
+        table: as `move.figures.table_recipe.tables` gives it; a gain of NaN is left out.
     """
-    _change_lines(table, table.gain, table.gain_low, table.gain_high, ax)
+    chosen = table.change == "chosen"
+    low, high = (ends.mask(chosen, table.gain) for ends in (table.gain_low, table.gain_high))
+    _change_lines(table, table.gain, low, high, ax)
+    ax.annotate("training", (1, 1), xycoords="axes fraction", xytext=(3, 2), textcoords="offset points", va="bottom",
+                fontsize=LEAST_POINTS, color="#444444")
     for place, minutes in enumerate(table.train_minutes):
         ax.annotate(f"{minutes:.1f} min", (1, place), xycoords=("axes fraction", "data"), xytext=(3, 0), va="center",
                     textcoords="offset points", fontsize=LEAST_POINTS, color="#444444")
@@ -218,22 +207,40 @@ def _change_lines(table: pd.DataFrame, values: pd.Series, lows: pd.Series, highs
     ax.set_ylim(len(table) - 0.5, -0.5)
 
 
-def covered(table: pd.DataFrame, column: str, ax: Axes) -> None:
+def covered(table: pd.DataFrame, column: str, ax: Axes, named: bool = False) -> None:
     """Success against the share of cells in `column`, one mark a task and what moves; a line joins those of a task.
+
+    The horizontal axis begins a little below the least share, at a multiple of 20 %.
 
     Args:
         table: as `move.figures.fig_coverage.seen` gives it.
+        named: write each task's name next to its line.
     """
     for _, rows in table.groupby("task", sort=False):
         rows = rows.sort_values(column)
-        ax.plot(rows[column], rows.value, color="#bbbbbb", lw=0.7, zorder=1)
+        ax.plot(rows[column], rows.value, color="#bbbbbb", lw=0.8, zorder=1)
     for method, rows in table.groupby("method", sort=False):
         part = ~rows.moves.isin(["nothing", "jumps", "all"])
         ax.errorbar(rows[column], rows.value, [rows.value - rows.low, rows.high - rows.value], fmt="none", lw=0.6,
-                    ecolor=COLOURS[method], alpha=0.5, zorder=2)
-        for shown, marker, name in ((rows[~part], "o", NAMES[method]), (rows[part], "^", f"{NAMES[method]}, in part")):
+                    ecolor=COLOURS[method], alpha=0.4, zorder=2)
+        for shown, size, strength, name in ((rows[~part], 4.2, 1.0, NAMES[method]),
+                                            (rows[part], 3.4, 0.5, f"{NAMES[method]}, some of its motions only")):
             if len(shown):
-                ax.plot(shown[column], shown.value, marker, ms=4, color=COLOURS[method], label=name, zorder=3)
+                ax.plot(shown[column], shown.value, MARKERS[method], ms=size, mew=0, color=COLOURS[method],
+                        alpha=strength, label=name, zorder=3)
     success_axis(ax)
+    if named:
+        _name_lines(table.sort_values(column).groupby("task").tail(1), column, ax)
     ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{100 * value:.0f}"))
-    ax.set(xlabel="cells that the data visit (%)", xlim=(-0.02, 1.04))
+    ax.xaxis.set_major_locator(MultipleLocator(0.1 if table[column].min() >= 0.6 else 0.2))
+    low = np.floor(table[column].min() / 0.2) * 0.2
+    ax.set(xlabel="cells that the data visit (%)", xlim=(low - 0.02 * (1 - low), 1 + 0.04 * (1 - low)))
+
+
+def _name_lines(ends: pd.DataFrame, column: str, ax: Axes) -> None:
+    """Write the names of tasks to the right of where their lines end, none over another."""
+    ends, right = ends.sort_values("value"), ends[column].max() + 0.03
+    for row, height in zip(ends.itertuples(), kept_apart(ends.value.to_numpy(), 0.07), strict=True):
+        ax.annotate(TASKS[row.task].title, (getattr(row, column), row.value), xytext=(right, height),
+                    textcoords="data", va="center", fontsize=LEAST_POINTS, color="#444444",
+                    arrowprops={"arrowstyle": "-", "lw": 0.4, "color": "#bbbbbb", "shrinkA": 1, "shrinkB": 2})

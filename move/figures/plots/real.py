@@ -1,9 +1,11 @@
 """Plots of the real-robot table and data: functions of tidy tables and an Axes that read no disk.
 
 success_cells   success of the four cells with exact intervals, side by side
+brackets        p between the two methods at each budget
 score_cells     normalised scores, with the range that the successes alone leave open
 coverage_map    which cells of the half disc were visited
 paths           trajectories of the end effector over the half disc
+joint_lines     one joint's angle over time
 speed_dots      speed of the moved object, one dot an episode
 object_map      where the object was seen in the image before its grasp
 """
@@ -18,7 +20,7 @@ from matplotlib.colors import LinearSegmentedColormap, PowerNorm
 from matplotlib.patches import Patch, Rectangle, Wedge
 from matplotlib.ticker import FuncFormatter
 
-from move.figures.plots.style import COLOURS, NAMES
+from move.figures.plots.style import COLOURS, LEAST_POINTS, NAMES
 from move.paper import REAL_RADIUS_M
 
 GOLDEN = 0.6180339887498949  # multiples of it spread evenly between 0 and 1
@@ -38,6 +40,24 @@ def success_cells(table: pd.DataFrame, ax: Axes) -> None:
     _cells_axis(ax, table, "success (%)")
 
 
+def brackets(table: pd.DataFrame, compared: pd.DataFrame, ax: Axes) -> None:
+    """Join the cells of each budget over their intervals, with p of Fisher's exact test between them.
+
+    Args:
+        table: as `success_cells` takes it.
+        compared: columns first, second, fisher (`trials.comparisons`), cells named as "static 35k".
+    """
+    cells = table.reset_index(drop=True)
+    names = cells["method"] + " " + (cells["timesteps"] // 1000).astype(str) + "k"
+    for _, pair in cells.groupby("timesteps"):
+        two = set(names[pair.index])
+        (p,) = compared["fisher"][[{first, second} == two for first, second in
+                                   zip(compared["first"], compared["second"], strict=True)]]
+        left, right, height = pair.index.min(), pair.index.max(), pair["high"].max() + 0.11
+        ax.plot([left, left, right, right], [height, height + 0.02, height + 0.02, height], color="black", lw=0.9)
+        ax.annotate(f"p = {p:.3f}", ((left + right) / 2, height + 0.03), ha="center", va="bottom")
+
+
 def score_cells(table: pd.DataFrame, ax: Axes) -> None:
     """Draw the normalised score of each cell over the range its successes alone would allow.
 
@@ -47,7 +67,8 @@ def score_cells(table: pd.DataFrame, ax: Axes) -> None:
     for place, row in enumerate(table.itertuples()):
         ax.bar(place, row.score_high - row.score_low, bottom=row.score_low, width=0.65, color="0.90", edgecolor="0.75",
                linewidth=0.8, zorder=1)
-        ax.plot(place, row.normalised, marker="D", markersize=6, color=COLOURS[row.method], zorder=3)
+        ax.plot(place, row.normalised, marker="D", markersize=6, markerfacecolor="white", color=COLOURS[row.method],
+                zorder=3)
         ax.annotate(f"{100 * row.normalised:.1f}", (place, row.normalised), xytext=(0, 6), textcoords="offset points",
                     ha="center", va="bottom", zorder=4)
     _cells_axis(ax, table, "score (% of three points a trial)")
@@ -106,6 +127,20 @@ def paths(table: pd.DataFrame, ax: Axes, *, colour: str = COLOURS["move"]) -> No
         ax.plot(before["y_m"], before["x_m"], color=colour, linewidth=0.8, alpha=0.6, zorder=2)
         if steps["grasped"].any():
             ax.plot(before["y_m"].iloc[-1], before["x_m"].iloc[-1], marker="o", markersize=3.5, color=colour, zorder=5)
+
+
+def joint_lines(table: pd.DataFrame, name: str, ax: Axes) -> None:
+    """Draw one joint's angle over time, a line an episode in its method's colour, with the joint's name.
+
+    Args:
+        table: columns method, part, index, time_s, degrees, of one joint (`workspace.joint_table`).
+        name: of the joint; shown as it is, for it is a data set's.
+    """
+    for (method, _, _), steps in table.groupby(["method", "part", "index"], sort=True):
+        ax.plot(steps["time_s"], steps["degrees"], color=COLOURS[method], linewidth=0.8, alpha=0.6)
+    ax.annotate(name, (0.0, 1.0), xycoords="axes fraction", xytext=(3, 1), textcoords="offset points",
+                fontsize=LEAST_POINTS, parse_math=False)
+    ax.set_xlabel("time (s)")
 
 
 def speed_dots(table: pd.DataFrame, ax: Axes) -> None:

@@ -1,4 +1,4 @@
-"""Whole figures of the real-robot data, laid out from the pieces of `real`; simulated data are stamped as such.
+"""Whole figures of the real-robot data, laid out from the pieces of `real`; simulated data are headed as such.
 
 cells_figure    success and score of the four cells
 setup_figure    coverage, trajectories and frames of each method: figure 8
@@ -9,32 +9,39 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Mapping, Sequence
+from os.path import commonprefix
 
 import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch
 
 from move.figures.plots import maps, style
 from move.figures.plots import real as real_plots
 from move.figures.plots.style import COLOURS, NAMES, PAGE_WIDTH
 
-SIMULATED_TEXT = "simulated data in the real layout"
+JOINTS_A_ROW = 6
+SIMULATED_TEXT = "Simulated data in the layout of real data: no robot was involved"
 
 
-def cells_figure(table: pd.DataFrame) -> Figure:
+def cells_figure(table: pd.DataFrame, compared: pd.DataFrame) -> Figure:
     """Lay out success and score of the four cells side by side.
 
     Args:
         table: `trials.real_table`.
+        compared: `trials.comparisons`.
 
     Returns:
         A figure of two-column width.
     """
     figure, axes = plt.subplots(1, 2, figsize=(PAGE_WIDTH, 2.7))
     real_plots.success_cells(table, axes[0])
+    real_plots.brackets(table, compared, axes[0])
     real_plots.score_cells(table, axes[1])
-    style.titles(axes, ["success, successes of trials", "score"])
+    style.titles(axes, [f"successes in {table['trials'].iloc[0]} trials; p of Fisher's test", "score"])
+    methods = [Patch(color=COLOURS[name], alpha=0.85, label=NAMES[name]) for name in dict.fromkeys(table["method"])]
+    figure.legend(handles=methods, ncol=2, loc="outside upper center")
     return figure
 
 
@@ -58,19 +65,23 @@ def object_figure(places: pd.DataFrame, speeds: pd.DataFrame, *, simulated: bool
     style.titles(list(axes[0]), [*(f"{NAMES[method]}: the orange (n = {count})"
                                    for method, count in zip(methods, counts, strict=True)), "its speed"])
     if simulated:
-        style.stamp(figure, SIMULATED_TEXT)
+        style.heading(figure, SIMULATED_TEXT)
     return figure
 
 
 def setup_figure(cells: pd.DataFrame, steps: pd.DataFrame, strips: Mapping[str, tuple[np.ndarray, Sequence[str]]], *,
-                 simulated: bool, lacking: str = "", cell_m: float = 0.05) -> Figure:
+                 simulated: bool, joints: pd.DataFrame | None = None, lacking: str = "", cell_m: float = 0.05
+                 ) -> Figure:
     """Lay out Figure 8: for each method its trajectories, the cells visited, and below all of them frames.
+
+    Of an arm whose hand's way is not known its joints over time are drawn.
 
     Args:
         cells: `workspace.coverage_by_method`.
         steps: `workspace.path_table`.
         strips: method -> frames (k, height, width, 3) and their titles; may be empty.
         simulated: whether to say so on the figure.
+        joints: `workspace.joint_table`, of episodes without a trajectory.
         lacking: why some episodes have no trajectory (`workspace.why_no_positions`), said in a panel of its own.
 
     Returns:
@@ -82,7 +93,12 @@ def setup_figure(cells: pd.DataFrame, steps: pd.DataFrame, strips: Mapping[str, 
     heights = [0.95 * PAGE_WIDTH * h / (k * w) + 0.28 for k, h, w, _ in shapes]
     if not shown:
         lacking = "; ".join(filter(None, (lacking, "no camera whose frames can be read")))
-    heights = [0.5 * PAGE_WIDTH * 0.5 + 0.35] * len(methods) + heights + [0.5] * bool(lacking)
+    parts = [] if joints is None else list(joints.groupby("joint", sort=False))
+    prefix = commonprefix([name for name, _ in parts]) if len(parts) > 1 else ""
+    prefix = prefix[:max(prefix.rfind("_"), prefix.rfind(".")) + 1]  # such as "main_"
+    short = {name: name.removeprefix(prefix) or name for name, _ in parts}
+    rows = [parts[first:first + JOINTS_A_ROW] for first in range(0, len(parts), JOINTS_A_ROW)]
+    heights = [0.5 * PAGE_WIDTH * 0.5 + 0.35] * len(methods) + heights + [1.5] * len(rows) + [0.5] * bool(lacking)
     figure = plt.figure(figsize=(PAGE_WIDTH, sum(heights)))
     grid = figure.add_gridspec(len(heights), 2, height_ratios=heights)
     axes, texts = [], []
@@ -101,11 +117,19 @@ def setup_figure(cells: pd.DataFrame, steps: pd.DataFrame, strips: Mapping[str, 
         frames, times = strips[method]
         maps.strip(frames, times, axes[-1])
         texts.append(f"{NAMES[method]}: frames of one demonstration")
+    for number, row_parts in enumerate(rows, len(methods) + len(shown)):
+        panels = grid[number, :].subgridspec(1, JOINTS_A_ROW).subplots(sharex=True, squeeze=False)[0]
+        for (name, part), panel in zip(row_parts, panels, strict=False):
+            real_plots.joint_lines(part, short[name], panel)
+        for panel in panels[len(row_parts):]:
+            panel.remove()
+        panels[0].set_ylabel("degrees")
+        axes, texts = [*axes, panels[0]], [*texts, "joints over time, a line a demonstration\n"]
     style.titles(axes, texts)
     if lacking:
         panel = figure.add_subplot(grid[-1, :])
         panel.set_axis_off()
         panel.text(0.5, 0.5, textwrap.fill(lacking, 110), ha="center", va="center", parse_math=False)
     if simulated:
-        style.stamp(figure, SIMULATED_TEXT)
+        style.heading(figure, SIMULATED_TEXT)
     return figure

@@ -28,6 +28,8 @@ COLOURS = {name: method.colour for name, method in METHODS.items()} | {  # safe 
     "goal-blind": "#999999",
     "unknown": "#777777",  # data that do not say how they were collected
 }
+MARKERS = dict.fromkeys(COLOURS, "o") | {name: method.marker for name, method in METHODS.items()}
+"""Of a method's points wherever they are drawn: told apart in grey, too."""
 DIFFERENCES = {name: ("#000000" if name == "static" else "#777777", method.marker) for name, method in METHODS.items()}
 """Colour and marker of MOVE minus another method: never a method's colour, for a difference is none of them."""
 NAMES = {name: method.title for name, method in METHODS.items()} | {
@@ -78,22 +80,27 @@ def changed(figure: Figure, text: str) -> None:
 
     The figure grows by the height of the text, so that its panels keep theirs.
     """
+    heading(figure, text, "#B00000")
+
+
+def heading(figure: Figure, text: str, colour: str = "black") -> None:
+    """Write over the figure, under what stands there already, what nobody may overlook who sees it alone.
+
+    The figure grows by the height of the text, so that its panels keep theirs.
+    """
     wrapped = textwrap.fill(text, int(figure.get_figwidth() * 15))
     figure.set_figheight(figure.get_figheight() + 0.16 * (wrapped.count("\n") + 1))
-    figure.suptitle(wrapped, fontsize=8.5, color="#B00000", weight="bold", x=0.01, ha="left", parse_math=False)
+    lines = "\n".join(filter(None, (figure.get_suptitle(), wrapped)))
+    figure.suptitle(lines, fontsize=8.5, color=colour, weight="bold", x=0.01, ha="left", parse_math=False)
 
 
-def stamp(figure: Figure, text: str, colour: str = "0.35", points: float = 24) -> None:
-    """Write `text` across the figure, behind its marks: what a reader must not overlook, also on a copied figure.
-
-    Args:
-        points: size of the letters on a figure of the page's width; they shrink with it.
-    """
+def stamp(figure: Figure, text: str) -> None:
+    """Write `text` in large red letters across the figure, behind its marks: it is of no worth as a result."""
     width, height = figure.get_size_inches()
     rotation = 0.6 * math.degrees(math.atan2(height, width))
     for ax in figure.axes:
         ax.patch.set_visible(False)
-    figure.text(0.5, 0.5, text, fontsize=max(points * width / PAGE_WIDTH, LEAST_POINTS), color=colour, alpha=0.2,
+    figure.text(0.5, 0.5, text, fontsize=max(80 * width / PAGE_WIDTH, LEAST_POINTS), color="red", alpha=0.2,
                 ha="center", va="center", rotation=rotation, weight="bold", zorder=-1)
 
 

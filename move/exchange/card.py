@@ -1,0 +1,70 @@
+"""The dataset card of an export: the README.md that the Hugging Face Hub shows and reads."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from move.sim.methods import METHODS
+from move.sim.tasks import TASKS
+
+SIZES = {1_000: "n<1K", 10_000: "1K<n<10K", 100_000: "10K<n<100K", 1_000_000: "100K<n<1M"}  # as the Hub has them
+
+BODY = """
+# {title}
+
+{episodes:,} demonstrations, {timesteps:,} timesteps at {fps} a second, of a simulated robot arm (Meta-World's Sawyer in
+MuJoCo) by a scripted expert. **No real robot was involved.** {how}
+
+They were made by a reproduction of *MOVE* ([arXiv 2512.04813](https://arxiv.org/abs/2512.04813)), which is not by the
+paper's authors. How each was collected, to the seed, is in `meta/move.json`.
+
+| feature | type | shape | names |
+|---|---|---|---|
+{features}
+
+Read them with [LeRobot](https://github.com/huggingface/lerobot):
+
+    from lerobot.datasets.lerobot_dataset import LeRobotDataset
+
+    dataset = LeRobotDataset("OWNER/NAME", root="PATH/OF/THIS/FOLDER")
+
+State a licence above (`license:`) before you publish them: it is yours to choose.
+"""
+
+
+def dataset_card(info: dict[str, Any], attributes: dict[str, Any]) -> str:
+    """The card as text: front matter in YAML, then what the demonstrations are, in Markdown.
+
+    Args:
+        info: what `meta/info.json` holds.
+        attributes: what was stored with the demonstrations; a task or method unknown here is not named.
+    """
+    from huggingface_hub import DatasetCardData  # slow to import
+
+    collection = attributes.get("collection", {})
+    task, method = (found.title if (found := known.get(str(collection.get(name)))) else None
+                    for name, known in (("task", TASKS), ("method", METHODS)))
+    title = f"Simulated demonstrations of {task or 'a task'}" + f", collected by {method}" * bool(method)
+    frames = info["total_frames"]
+    size = next((name for most, name in SIZES.items() if frames < most), "1M<n<10M")
+    front = DatasetCardData(
+        pretty_name=title, task_categories=["robotics"], tags=["LeRobot", "simulation", "metaworld"],
+        size_categories=[size], configs=[{"config_name": "default", "data_files": "data/*/*.parquet"}])
+    rows = [f"| `{name}` | {feature['dtype']} | {' x '.join(map(str, feature['shape']))} | {_names(feature['names'])} |"
+            for name, feature in info["features"].items()]
+    body = BODY.format(title=title, episodes=info["total_episodes"], timesteps=frames, fps=info["fps"],
+                       features="\n".join(rows), how=_how(method))
+    return f"---\n{front.to_yaml()}\n---\n{body}"
+
+
+def _how(method: str | None) -> str:
+    """What moved, in a sentence."""
+    return {"static": "Nothing moves within a demonstration but the arm.",
+            "ADC": "Object and target jump to other places as the gripper comes near (adversarial data collection).",
+            "MOVE": "Object, target and camera move while the expert demonstrates.",
+            "mixture": "They are a mixture of several ways of collecting."}.get(method or "", "")
+
+
+def _names(names: list[str] | None) -> str:
+    """At most six names of a feature's numbers."""
+    return ", ".join(names[:6]) + ", ..." * (len(names) > 6) if names else ""
