@@ -35,7 +35,7 @@ $(READY): environment.lock environment-cuda.lock pyproject.toml tools/install.py
 	@$(BIN)/python -c 'from move.machine import gl_problem as g; p = g(); p and print(p)'
 	@touch $@
 
-figures: $(READY)  ## every figure and table: laptop's from the stored results, other profiles' runs are computed first
+figures: $(READY)  ## every figure and table: laptop's from stored results, other profiles' runs are computed first
 	$(if $(STORED_ONLY),,-$(BIN)/move run --profile $(PROFILE) $(CLUSTER_OPTION))  # what fails is shown as missing
 	$(BIN)/move figure --profile $(PROFILE) $(STORED_ONLY)
 

@@ -55,7 +55,8 @@ def cut(spec: RunSpec, **training: Any) -> RunSpec:
 def test_the_kinds_cover_every_agent_and_protocol():
     specs = kinds().values()
     assert {spec.agent for spec in specs} == {"policy", "collector", "nothing", "random", "expert", "goal-blind"}
-    assert {protocol(spec) for spec in specs if spec.observation == "rgb"} == {"sparse", "dense", "circle", "random"}
+    assert {protocol(spec) for spec in specs if spec.observation == "rgb"} == {
+        "sparse", "dense", "circle", "random", "placed"}
     assert {spec.method for spec in specs if spec.training} >= {"static", "move"}
 
 

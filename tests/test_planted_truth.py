@@ -637,8 +637,8 @@ def test_the_rules_verdict_is_what_its_numbers_say_and_is_told(world):
         assert answers == rows.answer.tolist()
         verdict = "falls" if "no" in answers else "holds" if set(answers) == {"yes"} else "undecided"
         assert set(rows.verdict) == {verdict}
-        told = observation == "rgb" and setting in ("hand anywhere", "ten tasks")
-        assert (f"{setting} {verdict}" in text) is told, setting
+        if observation == "rgb" and setting in ("hand anywhere", "ten tasks"):
+            assert f"{setting} {verdict}" in text
 
 
 @pytest.mark.parametrize("name", ["table2_main", "table2_main_keypoints", "fig4_scaling"])

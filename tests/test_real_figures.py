@@ -68,7 +68,7 @@ def test_a_score_stands_within_what_its_successes_allow(ax):
 def test_a_bracket_joins_the_two_methods_of_a_budget_over_their_intervals_and_tells_their_p(ax):
     table, compared = real_table(), comparisons()
     real_plots.brackets(table, compared, ax)
-    p = compared.set_index(["first", "second"]).fisher
+    p = compared.set_index(["first", "second"]).barnard
     assert [text.get_text() for text in ax.texts] == [
         f"p = {p['static 35k', 'move 35k']:.3f}", f"p = {p['static 75k', 'move 75k']:.3f}"]
     for line, places in zip(ax.get_lines(), ([0, 1], [2, 3]), strict=True):

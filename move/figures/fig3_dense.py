@@ -79,10 +79,11 @@ def draw(tables: dict[str, pd.DataFrame], data: Data, *, timesteps: tuple[int, .
     grasped = grasp_points([result for result in data.results if result.spec.hash in set(episodes.run)])
     figure, axes = plt.subplots(1, 4, figsize=(PAGE_WIDTH, 2.1), width_ratios=[1, 1, 0.9, 0.8])
     success_maps(episodes, axes[:2])
-    for ax, method in zip(axes, COMPARED, strict=False):
-        if ax.axison:  # there is a map
-            maps.grasps(grasped[grasped.method == method], ax)
-            key_under(ax, maps.GRASP)
+    shown = [(ax, method) for ax, method in zip(axes, COMPARED, strict=False) if ax.axison]  # where there is a map
+    for ax, method in shown:
+        maps.grasps(grasped[grasped.method == method], ax)
+    for ax, _ in shown[:1]:
+        key_under(ax, maps.GRASP)
     by_hand(data.with_missing(tables["hand"], ["hand", "method"]), axes[2])
     by_budget = data.with_missing(tables["budgets"], ["timesteps", "method"])
     plots.curve(by_budget, "timesteps", "timesteps", axes[3], log=True)

@@ -5,6 +5,7 @@ The rule for "motion is coverage" is in `move.statistics.distance`.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -37,6 +38,7 @@ SIMULATES = True
 
 FIGURES = {"figure 1": fig1_sparse, "figure 3": fig3_dense, "figure 5": fig5_circle}
 TEN = "ten tasks"
+INCOMPLETE = "not decided yet: runs are missing"
 DECIDES = "hand anywhere"  # of figures 1, 3 and 5: as in the paper
 ASKED = "window-open"  # of which the paper says most and where least came out
 SEEN = {"rgb": "pixels", "keypoints": "keypoints"}
@@ -91,7 +93,7 @@ def seen(data: Data) -> dict[tuple[str, str], Tried]:
     experts = controls(data.episodes).get("expert", pd.Series(dtype=float))
     parts: dict[tuple[str, str], list[Tries]] = {}
     for result in steps([result for result in data.results if result.spec.training], "collections"):
-        parts.setdefault((_setting(result), result.spec.observation), []).append(
+        parts.setdefault((_setting(result.labels), result.spec.observation), []).append(
             _tries(result, float(experts.get(result.spec.task, 1.0))))
     settings = {key: Tries(**{name: np.concatenate([vars(part)[name] for part in each]) for name in vars(each[0])})
                 for key, each in parts.items()}
@@ -99,9 +101,9 @@ def seen(data: Data) -> dict[tuple[str, str], Tried]:
             if len(np.unique(tries.group)) > 2 and {0.0, 1.0} <= set(tries.move)}
 
 
-def _setting(result: Result) -> str:
-    ten = result.labels["experiment"] == TEN
-    return TEN if ten else {"one place": "hand in one place"}.get(hand := str(result.labels["hand"]), f"hand {hand}")
+def _setting(labels: Mapping[str, Any]) -> str:
+    ten = labels["experiment"] == TEN
+    return TEN if ten else {"one place": "hand in one place"}.get(hand := str(labels["hand"]), f"hand {hand}")
 
 
 def _tries(result: Result, ceiling: float) -> Tries:
@@ -122,12 +124,15 @@ def _tries(result: Result, ceiling: float) -> Tries:
 def tables(data: Data) -> dict[str, pd.DataFrame]:
     """What the rule asks, radii, every cell's rate and what it was predicted to be, MOVE minus static, and bins."""
     findings, radii, cells, leads = [], [], [], []
+    missing = {spec for spec, _ in data.missing}
+    lacking = {(_setting(run.labels), run.spec.observation) for run in data.runs if run.spec in missing}
     for (setting, observation), found in data.seen.items():
         named = {"setting": setting, "observation": observation}
         asked = (distance.findings_on_grids(found.tries) if found.on_grids else
                  distance.findings_over_tasks(found.tries, found.held_out, found.curve))
+        verdict = INCOMPLETE if (setting, observation) in lacking else distance.verdict(asked)
         findings += [{**named, "finding": one.what, "estimate": one.value, "low": one.low, "high": one.high,
-                      "limit": one.below, "answer": one.answer, "verdict": distance.verdict(asked)} for one in asked]
+                      "limit": one.below, "answer": one.answer, "verdict": verdict} for one in asked]
         radii += [{**named, **row} for row in _radii(found)]
         cells.append(_cells(data, found).assign(**named))
         equal = next(one for one in asked if one.what == distance.EQUAL)

@@ -111,7 +111,8 @@ def make(name: str, profile: str, compute: bool = False, **given: Any) -> Made:
                                        or "making the figure ..."))
     for folder in dict.fromkeys([data.folder, data.folder if change else settings.figures]):
         if (answers := kept.answers(name, replace(data, folder=folder), chosen)) is not None:
-            browser.show_status(f"{name}: done.")
+            if not data.postponed:
+                browser.show_status(f"{name}: done.")
             return Made(name, replace(data, folder=folder), kept.tables(name, folder), {}, {}, answers, change)
     if "seen" in functions:
         data = replace(data, seen=call(name, "seen", chosen, data))

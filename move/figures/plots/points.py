@@ -241,6 +241,5 @@ def _name_lines(ends: pd.DataFrame, column: str, ax: Axes) -> None:
     """Write the names of tasks to the right of where their lines end, none over another."""
     ends, right = ends.sort_values("value"), ends[column].max() + 0.03
     for row, height in zip(ends.itertuples(), kept_apart(ends.value.to_numpy(), 0.07), strict=True):
-        ax.annotate(TASKS[row.task].title, (getattr(row, column), row.value), xytext=(right, height),
-                    textcoords="data", va="center", fontsize=LEAST_POINTS, color="#444444",
-                    arrowprops={"arrowstyle": "-", "lw": 0.4, "color": "#bbbbbb", "shrinkA": 1, "shrinkB": 2})
+        ax.plot([getattr(row, column), right], [row.value, height], color="#bbbbbb", lw=0.4, zorder=1, clip_on=False)
+        ax.annotate(TASKS[row.task].title, (right, height), va="center", fontsize=LEAST_POINTS, color="#444444")

@@ -41,17 +41,17 @@ def success_cells(table: pd.DataFrame, ax: Axes) -> None:
 
 
 def brackets(table: pd.DataFrame, compared: pd.DataFrame, ax: Axes) -> None:
-    """Join the cells of each budget over their intervals, with p of Fisher's exact test between them.
+    """Join the cells of each budget over their intervals, with p of Barnard's exact test between them.
 
     Args:
         table: as `success_cells` takes it.
-        compared: columns first, second, fisher (`trials.comparisons`), cells named as "static 35k".
+        compared: columns first, second, barnard (`trials.comparisons`), cells named as "static 35k".
     """
     cells = table.reset_index(drop=True)
     names = cells["method"] + " " + (cells["timesteps"] // 1000).astype(str) + "k"
     for _, pair in cells.groupby("timesteps"):
         two = set(names[pair.index])
-        (p,) = compared["fisher"][[{first, second} == two for first, second in
+        (p,) = compared["barnard"][[{first, second} == two for first, second in
                                    zip(compared["first"], compared["second"], strict=True)]]
         left, right, height = pair.index.min(), pair.index.max(), pair["high"].max() + 0.11
         ax.plot([left, left, right, right], [height, height + 0.02, height + 0.02, height], color="black", lw=0.9)

@@ -39,7 +39,7 @@ def cells_figure(table: pd.DataFrame, compared: pd.DataFrame) -> Figure:
     real_plots.success_cells(table, axes[0])
     real_plots.brackets(table, compared, axes[0])
     real_plots.score_cells(table, axes[1])
-    style.titles(axes, [f"successes in {table['trials'].iloc[0]} trials; p of Fisher's test", "score"])
+    style.titles(axes, [f"successes in {table['trials'].iloc[0]} trials; p of Barnard's test", "score"])
     methods = [Patch(color=COLOURS[name], alpha=0.85, label=NAMES[name]) for name in dict.fromkeys(table["method"])]
     figure.legend(handles=methods, ncol=2, loc="outside upper center")
     return figure
