@@ -132,7 +132,7 @@ def draw(tables: dict[str, pd.DataFrame], data: Data, *, task: str, other_task: 
     return figure
 
 
-MARKERS = dict(zip(ARMS, "osD^vPX", strict=True))
+MARKERS = dict(zip(ARMS, "osp^vPX", strict=True))
 
 
 def _curves(rates: pd.DataFrame, ax: Axes) -> None:
