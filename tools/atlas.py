@@ -25,7 +25,7 @@ from record_atlas import EVALUATION, EVERY, METHODS, PLACES, SIDE, filmed_runs
 from move import paths
 from move.errors import BadInput
 from move.figures.page import parameters
-from move.figures.plots.film import SEEN
+from move.figures.plots.film import Where, marked, rings, taken, where
 from move.figures.plots.style import NAMES
 from move.learn.agents import Recorded
 from move.learn.evaluation import Start, starts
@@ -68,7 +68,7 @@ def page(profile: Profile, static: Path) -> str:
     return (
         "# Atlas: an episode from every place\n\n"
         "Choose a place on one of figure 1's two maps, with the mouse or with the arrow keys: both policies start with "
-        f"the object there. In the films {SEEN[TASK.name]}.\n\n"
+        f"the object there. In the films: {rings(TASK.name)}.\n\n"
         f'```{{raw}} html\n<div id="atlas"><div class="maps">{blocks}</div><div class="screens">{screens}</div>'
         '<p class="controls"><button type="button" id="atlas-play">Play</button> <label>timestep <input type="range" '
         'id="atlas-step" min="0" max="1" value="0"></label></p><p id="atlas-said" role="status"></p>'
@@ -118,14 +118,16 @@ def film(method: str, number: int, actions: np.ndarray, start: Start) -> dict[st
     if about.exists() and sheet.exists() and (known := json.loads(about.read_text()))["made_of"] == digest:
         return known["film"]
     frames: list[np.ndarray] = []
+    seen: list[Where] = []
 
     def look(_: int, scene: Scene) -> None:
         if scene.steps % STRIDE == 0:
             frames.append(scene.render_image(SIZE))
+            seen.append(where(scene))
 
     (rollout,) = roll_out(Recorded(actions), TASK, [start.configuration], KEYPOINTS, callback=look)
     whole = np.zeros((-(-len(frames) // COLUMNS) * SIZE, COLUMNS * SIZE, 3), np.uint8)
-    for place, frame in enumerate(frames):
+    for place, frame in enumerate(marked(taken(frames, seen, {}))):
         top, left = SIZE * (place // COLUMNS), SIZE * (place % COLUMNS)
         whole[top:top + SIZE, left:left + SIZE] = frame
     MADE.mkdir(parents=True, exist_ok=True)

@@ -69,7 +69,7 @@ class Watching(gymnasium.Wrapper):
     def reset(self, **keywords: Any) -> tuple[Any, dict]:
         """Start an episode with nothing seen."""
         found = self.env.reset(**keywords)
-        self.seen, self.jumps, self.counted = [_where(self.scene)], {}, 0
+        self.seen, self.jumps, self.counted = [where(self.scene)], {}, 0
         return found
 
     def step(self, action: np.ndarray) -> tuple[Any, Any, bool, bool, dict]:
@@ -78,18 +78,20 @@ class Watching(gymnasium.Wrapper):
         found = self.env.step(action)
         if found[-1].get("jumps", 0) > self.counted:
             self.counted, self.jumps[len(self.seen)] = found[-1]["jumps"], part
-        self.seen.append(_where(self.scene))
+        self.seen.append(where(self.scene))
         return found
 
 
-def _where(scene: Scene) -> Where:
+def where(scene: Scene) -> Where:
+    """Where object and target (metres) and the camera (radians) are."""
     points = {"object": scene.task.object_point}
     if scene.task.has_target:
         points["target"] = scene.task.target_point
     return {part: np.array(scene.point(name)) for part, name in points.items()}, scene.configuration.camera_angle
 
 
-def _take(frames: Sequence[np.ndarray], seen: Sequence[Where], jumps: Mapping[int, str]) -> Take:
+def taken(frames: Sequence[np.ndarray], seen: Sequence[Where], jumps: Mapping[int, str]) -> Take:
+    """Images with where everything was at each of them, and at nothing after the last."""
     kept = seen[:len(frames)]
     return Take(np.stack(frames), {part: np.stack([places[part] for places, _ in kept]) for part in kept[0][0]},
                 np.array([angle for _, angle in kept]), jumps)
@@ -103,7 +105,7 @@ def demonstration_take(collection: Collection, seed: int) -> Take:
     """
     watching = Watching(collecting_env(collection))
     episode = next(episode for episode in attempts(collection, seed, watching) if episode.succeeded)
-    return _take(episode.observations, watching.seen, watching.jumps)
+    return taken(episode.observations, watching.seen, watching.jumps)
 
 
 def episode_take(agent: Agent, spec: PolicyRun, number: int, image_size: int) -> tuple[dict, Take]:
@@ -117,11 +119,11 @@ def episode_take(agent: Agent, spec: PolicyRun, number: int, image_size: int) ->
 
     def look(_: int, scene: Scene) -> None:
         frames.append(scene.render_image(image_size))
-        seen.append(_where(scene))
+        seen.append(where(scene))
 
     (row,) = evaluate(agent, get_task(spec.task), spec.evaluation, spec.collection.observed, indices={number},
                       callback=look)
-    return row, _take(frames, seen, {})
+    return row, taken(frames, seen, {})
 
 
 def one_of_each(
