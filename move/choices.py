@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Literal
 
 Factors = Literal["object", "object+hand", "object+target", "all"]
@@ -13,3 +14,5 @@ Drawing = Literal["plain", "full"]
 SpeedLaw = Literal["beta", "uniform", "constant"]
 Control = Literal["nothing", "random", "expert", "goal-blind"]
 ExportFormat = Literal["lerobot", "zarr"]
+HASH = re.compile(r"[0-9a-f]{16}")
+"""What a run is called, and no figure."""

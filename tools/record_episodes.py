@@ -8,30 +8,14 @@ from __future__ import annotations
 import json
 
 import numpy as np
+from record_atlas import Recorder
 
 from move.figures.page import parameters
 from move.figures.plots import film
-from move.learn.agents import PolicyAgent
-from move.learn.diffusion import DiffusionPolicy
-from move.sim.scene.scene import Scene
 from move.study import policies
 from move.study.profiles import load_profile
 
 SEED = 0  # of the notebook
-
-
-class Recorder(PolicyAgent):
-    """A policy that keeps what it does in the one episode that is played."""
-
-    def __init__(self, policy: DiffusionPolicy, seed: int) -> None:
-        super().__init__(policy, seed)
-        self.made: list[np.ndarray] = []
-
-    def act(self, running: list[int], scenes: list[Scene], observations: np.ndarray | None) -> np.ndarray:
-        """The policy's actions."""
-        (chunk,) = actions = super().act(running, scenes, observations)
-        self.made += list(chunk)
-        return actions
 
 
 def main() -> None:
@@ -44,7 +28,7 @@ def main() -> None:
             return played.setdefault(number, Recorder(policy, seed))
 
         shown = [row for row, _ in film.one_of_each(acting, spec, np.random.default_rng(SEED), 16)]
-        made = {number: np.stack(agent.made) for number, agent in played.items()}
+        made = {number: np.stack(*agent.made.values()) for number, agent in played.items()}
         path = policies.record_episodes(spec, profile, made)
         print(json.dumps({"file": str(path), "played": sorted(played), "shown": [row["trial"] for row in shown]}))
 

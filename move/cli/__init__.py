@@ -1,9 +1,9 @@
-"""The command line: move collect | export | train | evaluate | compare | run | plan | verify | figure | doctor | mark.
+"""The command line: `move`, whose commands are in the files below.
 
 Bad input ends with one line on standard error and exit code 2; a run that failed ends with exit code 1. What is slow to
 import is imported by the command that needs it, once names are checked.
 
-by_hand.py      collect, export, train, evaluate, compare
+by_hand.py      collect, placements, export, train, evaluate, compare
 study.py        run, plan, verify, figure, doctor
 teaching.py     mark
 parameters.py   -p name=value

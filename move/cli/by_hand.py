@@ -143,6 +143,7 @@ def _rectangle(text: str) -> Box:
                        ) from None
     return Box((x, y, 0.0), (far_x, far_y, 0.0))
 
+
 @app.command(epilog=examples("move export build/data/NAME.zarr build/lerobot/NAME",
                              "move export build/data/NAME.zarr copy.zarr --format zarr"))
 def export(

@@ -11,6 +11,7 @@ import typer
 
 from move import figures as listed
 from move import paths
+from move.choices import HASH
 from move.cli.options import LARGEST_SEED, Figures, Json, Parameters, ProfileName, app, examples
 from move.cli.output import progress, show, show_paths
 from move.cli.parameters import parameters
@@ -21,7 +22,6 @@ if TYPE_CHECKING:
     from move.study.profiles import Profile
     from move.study.spec import RunSpec
 
-HASH = re.compile(r"[0-9a-f]{16}")  # a run's, which no figure is called; as `move.study.results` has it, without pandas
 SAMPLE = 2  # results that `verify` recomputes
 SCHEDULER = re.compile(r"(tcp|tls|ucx|wss?)://[^/\s:]+:\d+")
 

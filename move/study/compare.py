@@ -9,11 +9,12 @@ from typing import Any
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, NonNegativeInt, ValidationError
 
+from move.choices import HASH
 from move.errors import BadInput
 from move.sim.configuration import SpatialConfiguration
 from move.statistics.estimates import Estimate, difference, success_rate
 from move.study.provenance import other_versions
-from move.study.results import HASH, find, load_named
+from move.study.results import find, load_named
 from move.untrusted import read_json
 from move.validation import first_problem
 

@@ -84,7 +84,7 @@ class Processes:
 
 @contextmanager
 def _children_allowed() -> Iterator[None]:
-    """Let a daemon start a process, as Dask's workers are; the child ends with it all the same (`end_with`)."""
+    """Let a daemon start a process, as Dask's workers are; the child ends with it all the same."""
     config: dict[str, Any] = vars(current_process())["_config"]
     daemon = config.pop("daemon", None)
     try:

@@ -7,7 +7,6 @@ such a run gives, is never a number: it is named, and the run counts as missing.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import count, groupby, repeat
@@ -16,6 +15,7 @@ from typing import Any
 
 import pandas as pd
 
+from move.choices import HASH
 from move.errors import BadInput
 from move.files import written_aside
 from move.sim.tasks import FACTORS
@@ -24,7 +24,6 @@ from move.study.spec import RESULTS_VERSION, RunSpec
 from move.study.stored import from_bytes, to_text
 from move.validation import reason_of
 
-HASH = re.compile(r"[0-9a-f]{16}")
 NOT_COMPUTED = "not computed yet"
 LARGEST = 50_000_000  # bytes of a result's file; real ones have some ten thousand
 

@@ -62,9 +62,11 @@ def of_profile(profile: Profile, stored_only: bool = False) -> list[str]:
 
     With `stored_only` nor those none of whose runs is stored yet.
     """
-    listed = [name for name in names() if "runs" not in parts(name) or runs(name, profile)]
-    return [name for name in listed if not stored_only or "runs" not in parts(name) or any(
-        (profile.results / f"{spec.hash}.json").exists() for spec in specs(name, profile))]
+    def shows(name: str) -> bool:
+        stored = (profile.results / f"{run.spec.hash}.json" for run in runs(name, profile))
+        return any(path.exists() or not stored_only for path in stored)
+
+    return [name for name in names() if "runs" not in parts(name) or shows(name)]
 
 
 def run_notebooks(
