@@ -26,7 +26,7 @@ def test_a_killed_process_costs_its_run_alone_and_the_same_command_goes_on(tmp_p
     def start(pool, spec, *arguments):
         process = started(pool, spec, *arguments)
         if spec.seed == 0:
-            threading.Timer(0.5, process.kill).start()
+            process.kill()
         return process
 
     monkeypatch.setattr(processes.Processes, "_start", start)
