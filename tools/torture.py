@@ -34,7 +34,7 @@ BAD = ("rounds that differ", "torn after a kill", "commands that failed", "half-
 COMMANDS = {"run": ("run", "--profile", "tortured", "keypoint_control", "--workers", "2"),
             "figure": ("figure", "fig7_speed", "table4_hyperparameters", "--stored-only"), "site": ()}
 SHARED = ("docs", "results", "README.md", "KNOWN_DEVIATIONS.md", "SECURITY.md")
-PATIENCE = 3.0  # seconds that a worker may outlive its command
+PATIENCE = 30.0  # seconds that a worker may outlive its command, on a busy machine
 EARLY = 0.6  # of the undisturbed time: later a resumed command has often ended already
 CONTENT = ("spec", "rows", "collection")  # of a result, what a repetition has to give again
 PROFILE = """
