@@ -66,6 +66,12 @@ def wait_for(there, seconds: float) -> None:
         time.sleep(0.3)
 
 
+def opened(page, lab: str, name: str) -> None:
+    """Open a notebook in a workspace of its own, where no other one comes back beside it."""
+    page.goto(f"{lab}/lab/workspaces/{name}/tree/notebooks/{name}.ipynb")
+    page.wait_for_function(f"{OPEN}?.path === 'notebooks/{name}.ipynb'", timeout=LONG)
+
+
 def run_all(page) -> None:
     page.wait_for_function(IDLE, timeout=LONG)
     page.get_by_role("menuitem", name="Run", exact=True).click()
@@ -99,8 +105,7 @@ def no_error(outputs: list[dict]) -> bool:
 def test_notebooks_opened_untouched_are_the_shipped_figures_and_a_changed_one_is_not(lab, tmp_path):
     with browser.page() as page:
         for name in reversed(UNTOUCHED):
-            page.goto(f"{lab}/lab/tree/notebooks/{name}.ipynb")
-            page.wait_for_selector(".jp-CodeCell", timeout=LONG)
+            opened(page, lab, name)
             run_all(page)
             made = outputs(page, WRITTEN)
             assert no_error(made) and "Not the shipped figure" not in str(made), name
@@ -129,8 +134,8 @@ def test_the_start_page_leads_to_a_notebook(lab):
 def test_a_reader_changes_interrupts_and_goes_on(lab, tmp_path):
     made = tmp_path / "build/figures"
     with browser.page() as page:
-        page.goto(f"{lab}/lab/tree/notebooks/{NOTEBOOK}.ipynb")
-        page.wait_for_selector(".jp-CodeCell", timeout=LONG)
+        opened(page, lab, NOTEBOOK)
+        page.wait_for_function(IDLE, timeout=LONG)
         change(page, NOTEBOOK, seeds=[1, 3], deviations=[0.08], draws=20)
         run_all(page)
         wait_for(lambda: list(made.glob(f"{NOTEBOOK}-*/{NOTEBOOK}.png")), LONG / 1000)
