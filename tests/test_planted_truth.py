@@ -638,6 +638,22 @@ def test_over_tasks_a_prediction_knows_nothing_of_its_own_task(world):
             assert own.without.to_numpy() == pytest.approx(others, abs=ROUNDED) and own.predicted.between(0, 1).all()
 
 
+def test_scores_are_ranked_against_the_rates_of_their_own_cells(world):
+    cells, ranks = pd.DataFrame(rows_of(world, "radius_cells")), world.table("radius_ranks")
+    assert len(ranks) == 2 * len(cells.groupby(["setting", "observation"]))
+    columns = {"distance to what was seen": "predicted", "spread of places": "spread"}
+    for row in ranks.itertuples():
+        own = cells[(cells.setting == row.setting) & (cells.observation == row.observation)]
+        ranked = own[["value", columns[row.score]]].rank()
+        assert row.correlation == pytest.approx(np.corrcoef(ranked.T)[0, 1], abs=0.02) and row.cells == len(own)
+        assert row.low <= row.correlation <= row.high
+    run = world.found("radius", hand="one place", method="static", observation="rgb")[0]
+    seen = visited(run.spec.collection, False)[["object_x", "object_y"]].drop_duplicates()
+    (own,) = [row for row in rows_of(world, "radius_cells") if row["setting"] == "hand in one place"
+              and row["method"] == "static" and row["where"] == run.labels["experiment"]]
+    assert own["spread"] == pytest.approx(np.sqrt(seen.var(ddof=0).sum()), abs=0.02)
+
+
 def test_the_rules_verdict_is_what_its_numbers_say_and_is_told(world):
     text = here(world, "radius")
     for (setting, observation), rows in world.table("radius").groupby(["setting", "observation"]):
