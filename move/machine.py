@@ -22,7 +22,7 @@ from functools import cache
 THREAD_VARIABLES = ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS", "LP_NUM_THREADS")
 NO_GL = ("disable", "disabled", "off", "false", "0")  # values of MUJOCO_GL that turn images off in MuJoCo
 SCREEN_GL = ("glfw", "glx", "enable", "enabled", "on", "true", "1", "")  # those that need a screen, on Linux
-GL_LIBRARIES = {"egl": ("EGL", "OpenGL"), "osmesa": ("OSMesa",)}  # what PyOpenGL opens for each
+GL_LIBRARIES = {"egl": ("EGL", "OpenGL GLESv2"), "osmesa": ("OSMesa",)}  # what PyOpenGL opens; one of two does
 DEBIAN = "apt-get install libegl1 libopengl0 (Debian)"
 REFUSED_GL = "MOVE_REFUSED_GL"  # why images are off that were asked for, to this process and those it starts
 M_TRIM_THRESHOLD, M_MMAP_MAX = -1, -4  # of glibc's malloc.h
@@ -84,7 +84,8 @@ def _refused_gl() -> str:
     if chosen not in (*GL_LIBRARIES, *SCREEN_GL):
         return f"MUJOCO_GL: {chosen[:60]!r} given; allowed are egl, osmesa, glfw and disable"
     if missing := _missing(chosen):
-        return f"MUJOCO_GL: {chosen} given, whose library is not installed (lib{missing[0]}); allowed is another, or none"
+        return (f"MUJOCO_GL: {chosen} given, whose library is not installed (lib{missing[0]}); "
+                "allowed is another, or none")
     if "MUJOCO_GL" in os.environ and chosen in SCREEN_GL and not os.environ.keys() & {"DISPLAY", "WAYLAND_DISPLAY"}:
         return f"MUJOCO_GL: {chosen!r} given, which needs a screen; allowed without one are egl and osmesa"
     there = chosen or next((name for name in GL_LIBRARIES if not _missing(name)), "")
@@ -95,7 +96,8 @@ def _refused_gl() -> str:
 
 def _missing(gl: str) -> list[str]:
     """The libraries that a way to render lacks on this machine; those of a screen are not looked for."""
-    return [name for name in GL_LIBRARIES.get(gl, ()) if not ctypes.util.find_library(name)]
+    wanted = [names.split() for names in GL_LIBRARIES.get(gl, ())]
+    return [names[0] for names in wanted if not any(map(ctypes.util.find_library, names))]
 
 
 def _chosen_gl() -> str:

@@ -187,11 +187,11 @@ def selected(lock: str, python: str, system: str, machine: str) -> dict[str, tup
                    "platform_system": system.title(), "platform_machine": machine, "os_name": "posix",
                    "implementation_name": "cpython", "platform_python_implementation": "CPython"}
     chosen: dict[str, tuple[str, list[str]]] = {}
-    for pin, names in pins(lock):
+    for pin, files in pins(lock):
         if pin.marker is None or pin.marker.evaluate(environment):
             assert pin.name not in chosen
             version = str(pin.specifier).removeprefix("==")
-            wheels = [(name, *parse_wheel_filename(name)) for name in names]
+            wheels = [(name, *parse_wheel_filename(name)) for name in files]
             assert all(own == canonicalize_name(pin.name) and number.public == version for _, own, number, *_ in wheels)
             fitting = platform_tags(python, system, machine)
             chosen[pin.name] = version, [name for name, *_, offered in wheels if offered & fitting]

@@ -47,14 +47,15 @@ def wheel_names(blocks: list[str]) -> dict[str, str]:
         command = ["uv", "pip", "compile", str(pins), "--no-deps", "--universal", "--python-version", "3.11", "--quiet",
                    "--output-file", str(out)]
         subprocess.run(command, cwd=ROOT, check=True)
-        wheels = [wheel for package in tomllib.loads(out.read_text())["packages"] for wheel in package.get("wheels", [])]
+        packages = tomllib.loads(out.read_text())["packages"]
+        wheels = [wheel for package in packages for wheel in package.get("wheels", [])]
     return {f"sha256:{wheel['hashes']['sha256']}": wheel["url"].rpartition("/")[2] for wheel in wheels}
 
 
 def with_names(block: str, names: dict[str, str]) -> str:
     """A block with the names of its fitting wheels below, as comments."""
-    own = [name for digest in re.findall(r"sha256:[0-9a-f]{64}", block) if FITTING.search(name := names.get(digest, ""))]
-    return "\n".join([block, *(f"    # {name}" for name in sorted(own))])
+    own = sorted(names.get(digest, "") for digest in re.findall(r"sha256:[0-9a-f]{64}", block))
+    return "\n".join([block, *(f"    # {name}" for name in own if FITTING.search(name))])
 
 
 def local_torch(pin: str) -> tuple[str, str]:
