@@ -78,7 +78,8 @@ def test_what_gl_can_be_had(monkeypatch, variables, libraries, reason):
 
 @pytest.mark.parametrize("libraries, chosen, line", [
     (EGL, "egl", None), (["OSMesa"], "osmesa", None), ([*EGL, "OSMesa"], "egl", None),
-    (["EGL", "GLESv2"], "egl", None), (["EGL", "OSMesa"], "osmesa", None), (["EGL"], "disable", "GL library libOpenGL not found"),
+    (["EGL", "GLESv2"], "egl", None), (["EGL", "OSMesa"], "osmesa", None),
+    (["EGL"], "disable", "GL library libOpenGL not found"),
     (["OpenGL"], "disable", "GL library libEGL not found"), ([], "disable", "no GL library found"),
 ])
 def test_egl_is_chosen_where_both_its_libraries_are(monkeypatch, libraries, chosen, line):
