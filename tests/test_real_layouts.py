@@ -107,7 +107,7 @@ def test_float64_and_plain_lists(tmp_path):
 
 
 @pytest.mark.parametrize(("parts", "names", "note"), [
-    ((w.state, lambda n: w.pose()), [["a"] * 14], "order assumed"),
+    ((w.state, lambda n: w.pose()), None, "order assumed"),
     ((lambda n: w.pose(), lambda n: w.state()[:, 6:]), ["x", "y", "z", "roll", "pitch", "yaw", "gripper"], "")])
 def test_a_pose_next_to_joints_or_alone(tmp_path, parts, names, note):
     folder = w.lerobot_v2(tmp_path / "d", values=lambda n: np.hstack([part(n) for part in parts]), names=names)
