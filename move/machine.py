@@ -8,6 +8,7 @@ from __future__ import annotations
 import ctypes
 import ctypes.util
 import importlib
+import importlib.util
 import os
 import platform
 import resource
@@ -106,6 +107,12 @@ def _chosen_gl() -> str:
 
 
 @cache
+def before_drawing() -> None:
+    """Import triton, which CUDA builds of torch bring: once Mesa has loaded its own LLVM that import would crash."""
+    if importlib.util.find_spec("triton"):
+        importlib.import_module("triton")
+
+
 def gl_renderer() -> str:
     """The GL renderer's own name, for provenance ("none" without GL); llvmpipe means rendered in software."""
     if gl_problem():
@@ -113,6 +120,7 @@ def gl_renderer() -> str:
     from mujoco import gl_context
     from OpenGL import GL
 
+    before_drawing()
     context = gl_context.GLContext(16, 16)
     context.make_current()
     try:
