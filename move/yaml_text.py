@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import json
 import re
+from collections import Counter
 from typing import Any
 
 import yaml
@@ -45,8 +46,8 @@ class _Loader(yaml.SafeLoader):
     def construct_mapping(self, node: Any, deep: bool = False) -> dict[Any, Any]:
         content = super().construct_mapping(node, deep)
         if len(content) < len(node.value):
-            keys = [key.value for key, _ in node.value]
-            twice = next((key for number, key in enumerate(keys) if key in keys[:number]), keys[0])
+            counts = Counter(key.value for key, _ in node.value)
+            twice = next((key for key, count in counts.items() if count > 1), node.value[0][0].value)
             raise yaml.constructor.ConstructorError(problem=f"{twice!r} stands twice", problem_mark=node.start_mark)
         return content
 

@@ -236,7 +236,8 @@ NAMES = {
     "too many parts": ("parts", many_parts),
 }
 ODD = {"an image": "<img src=x onerror=alert(1)>", "an entity": "&lt;b", "a quote": '"', "an apostrophe": "'",
-       "a backtick": "`", "an escape": "\x1b[31m", "a line": "\nx", "a turn": "\u202ex", "nothing seen": "\u200bx"}
+       "a backtick": "`", "an escape": "\x1b[31m", "a line": "\nx", "a turn": "\u202ex", "nothing seen": "\u200bx",
+       "a letter that is not seen": "\u3164x"}
 MARKUP = {f"a part with {name}": ("markup", lambda folder, odd=odd: w.lerobot_v2(folder / f"static{odd}").parent)
           for name, odd in ODD.items()} | {
     "a folder with markup": ("markup", lambda folder: w.act_hdf5(folder.parent / "set<b>")),

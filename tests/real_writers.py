@@ -150,7 +150,8 @@ def lerobot_v2(folder: Path, *, episodes: int = 2, codec: str | None = None, val
                                                            pa.struct([("bytes", pa.binary()), ("path", pa.string())]))
         pq.write_table(pa.table(columns), folder / f"data/chunk-000/episode_{n:06d}.parquet")
         if codec:
-            write_video(folder / f"videos/chunk-000/observation.images.wrist/episode_{n:06d}.mp4", range(STEPS), codec)
+            write_video(folder / f"videos/chunk-000/observation.images.wrist/episode_{n:06d}.mp4",
+                        range(n, n + STEPS), codec)
     return folder
 
 

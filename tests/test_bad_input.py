@@ -300,7 +300,10 @@ def test_scalars_are_those_of_yaml_1_2(text, value):
 
 def test_many_keys_are_read_in_no_time():
     started = time.monotonic()
-    assert len(yaml_text.read("".join(f"k{number}: 1\n" for number in range(30_000)), "here")) == 30_000
+    text = "".join(f"k{number}: 1\n" for number in range(30_000))
+    assert len(yaml_text.read(text, "here")) == 30_000
+    with pytest.raises(BadInput, match="'k29999' stands twice"):
+        yaml_text.read(f"{text}k29999: 2", "here")
     assert time.monotonic() - started < 60
 
 

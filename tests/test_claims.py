@@ -21,7 +21,7 @@ from move.figures.page import parameters
 from move.paper import PAPER_TASKS
 from move.sim.tasks import TASKS
 from move.statistics.estimates import TrainingNoise
-from move.statistics.needed import Design, Trials
+from move.statistics.needed import Design, Seeds, Trials
 from move.statistics.verdicts import VERDICTS, Contradiction, Finding, Missing, Untested, verdict
 from move.study.profiles import Profile, load_profile
 
@@ -80,6 +80,9 @@ def test_a_finding_is_a_yes_a_no_or_open_and_may_exclude_the_papers_size(finding
     ([OPEN, OPEN, Finding("slope", 0.07, 0.04, 0.1, trend=True)], "trend", "direction only"),
     ([YES, OPEN, Finding("slope", 0.07, -0.04, 0.1, trend=True)], "trend", "undecided"),
     ([YES, YES, Finding("slope", 0.07, -0.04, 0.1, trend=True)], "trend", "reproduced"),
+    ([Finding("", -0.05, -0.11, 0.01)] * 10, "every", "refuted here"),  # none by itself, all together
+    ([OPEN, OPEN, Finding("slope", -0.07, -0.1, -0.04, trend=True)], "trend", "refuted here"),
+    ([Finding("", 0.11, 0.005, 0.215), NO], "some", "undecided"),  # no open one is left that could have no room
     ([YES, Missing("a run", 1, 10.0)], "every", "not computed yet"),
     ([], "every", "not computed yet"),
     ([Untested("no robot")], "every", "not testable"),
@@ -88,6 +91,10 @@ def test_a_finding_is_a_yes_a_no_or_open_and_may_exclude_the_papers_size(finding
 ])
 def test_a_verdict_follows_from_its_findings_and_from_how_they_are_joined(items, join, expected):
     assert verdict(items, join) == expected and expected in VERDICTS
+
+
+def test_equal_rates_differ_by_zero_in_words_too():
+    assert str(Finding("gain", -2.2e-16, -0.1, 0.1)) == "gain: 0 [-0.1, 0.1]"
 
 
 def test_printed_numbers_that_round_to_what_is_said_contradict_nothing():
@@ -101,6 +108,8 @@ def test_what_would_decide_it_gets_cheaper_with_distance_and_is_as_precise_as_it
     assert design.half_width(1, 100) == pytest.approx(1.96 * math.sqrt(0.0034 + 0.0023))  # .076, measured on table 2
     assert "would not tell" in Design(1, 100, 0.05, 30.0, 4.0).needed(0.05)
     assert Trials(7 / 30, 7 / 30).needed(0.1).startswith("138 trials")
+    assert Seeds(3, 0.2, 10.0).needed(0.1) == "12 seeds, about 90 core-minutes, would tell it to +-0.1"
+    assert Seeds(3, 0.1, 10.0).needed(0.2).startswith("4 seeds") and "would not tell" in Seeds(3, 0.9, 1.0).needed(0)
     undecided = Finding("a", 0.1, -0.1, 0.3, design=design)
     assert undecided.needed.startswith("a: ") and not Finding("a", 0.3, 0.2, 0.4, design=design).needed
 
@@ -328,6 +337,14 @@ def test_a_claim_that_a_profile_has_no_runs_for_says_so(profile, gl, tmp_path, m
 def test_the_robots_numbers_are_the_papers_thirty_trials_and_one_exact_test():
     item, = findings(claim(33), Evidence(LAPTOP))
     assert item.value == pytest.approx(6 / 30) and "Barnard's exact p 0.027" in item.what
+    assert "the paper's own counts" in item.what, "nobody here has a robot"
+
+
+def test_each_undecided_claim_of_the_shipped_ledger_says_what_would_decide_it():
+    shipped = json.loads((paths.ROOT / "paper_figures/claims.json").read_text())["claims"]
+    for each in shipped:
+        open_ones = [number for number in each["numbers"] if number["answer"] == "open" and not number["trend"]]
+        assert len(each["needed"]) == len(open_ones) * (each["verdict"] == "undecided"), each["number"]
 
 
 def test_the_ledger_for_other_programs_is_the_table_with_its_schema_and_the_claims_fingerprint(tmp_path):

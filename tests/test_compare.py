@@ -118,6 +118,8 @@ def moved(content):
     (printed([1, 0, 1, 1], rows=printed([1, 0, 1, 1])["rows"][::-1]), "did not begin in the same configuration"),
     (printed([1] * 4, rows=[{"trial": n, "group": "random", "success": True} for n in range(4)]), "did not begin"),
     (printed([1] * 4, rows=[{"trial": 0, "group": "random", "success": 1}]), "success: 1 given; input should be"),
+    (printed([1] * 4, rows=printed([1, 0, 1, 1])["rows"] * 2), "trial 0 stands there more than once"),
+    (printed([1, 0, 1, 1], task="push\x1b[2J"), "task: .*should match pattern"),
     (printed([1] * 4, rows=[]), "rows: .*at least 1"),
     (printed([1] * 4, rows=[5]), "rows.0: 5 given"),
     ({"task": "push"}, "rows: .*field required; allowed is what `move evaluate --json` prints"),

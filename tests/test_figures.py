@@ -31,10 +31,11 @@ from move.paper import PAPER_METHODS  # noqa: E402
 from move.realworld import tracking, workspace  # noqa: E402
 from move.realworld.trials import comparisons, real_table  # noqa: E402
 from move.sim.collection import Collection  # noqa: E402
+from move.statistics.places import next_places  # noqa: E402
 from move.study.profiles import load_profile  # noqa: E402
 
 RNG = np.random.default_rng(0)
-ROBOT = ("fig8_real_setup", "fig8_object_places")
+ROBOT = ("fig8_real_setup", "fig8_object_places", "fig8_grasp_places")
 PICTURES = {picture: name for name in names() if "draw" in parts(name)
             for picture in (name, *load(name).WORDS.others)}
 """Every picture, and whose file it is."""
@@ -74,6 +75,14 @@ def setup() -> plt.Figure:
     return real_figures.setup_figure(workspace.coverage_by_method(steps), steps, frames, simulated=True)
 
 
+def grasps() -> plt.Figure:
+    """Static grasps in a few places, MOVE's in many."""
+    places = {"static": np.repeat(RNG.uniform(0.2, 0.5, (5, 2)), 4, axis=0), "move": RNG.uniform(0.2, 0.5, (20, 2))}
+    return real_figures.grasp_figure(
+        places, {method: next_places(each, ((0.2, 0.2), (0.5, 0.5)), 10)[0] for method, each in places.items()},
+        simulated=True)
+
+
 def orange() -> plt.Figure:
     places = pd.DataFrame([{"method": method, "part": "p", "index": index, "step": step, "time_s": 0.2 * step,
                             "row": 20.0 + step, "column": 40.0 + step * index, "height": 72, "width": 128}
@@ -101,7 +110,7 @@ def picture(name: str, world: World) -> plt.Figure:
     if name in by_hand:
         return by_hand[name](Data(load_profile("laptop"), world.folder))
     if name in ROBOT:
-        return {"fig8_real_setup": setup, "fig8_object_places": orange}[name]()
+        return {"fig8_real_setup": setup, "fig8_object_places": orange, "fig8_grasp_places": grasps}[name]()
     if name == "table3_real":
         return real_figures.cells_figure(real_table(), comparisons())
     world.show(PICTURES[name])

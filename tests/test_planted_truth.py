@@ -628,6 +628,46 @@ def test_success_by_distance_is_fitted_to_what_was_planted_and_each_cell_predict
     assert leads["equal distance"] == pytest.approx(equal, abs=0.02)
 
 
+def test_over_tasks_a_prediction_knows_nothing_of_its_own_task(world):
+    cells = pd.DataFrame(rows_of(world, "radius_cells"))
+    assert set(cells[cells.setting == "ten tasks"].observation) == {"rgb", "keypoints"}
+    for _, rows in cells[cells.setting == "ten tasks"].groupby("observation"):
+        assert len(rows) == 30
+        for task, own in rows.groupby("where"):
+            others = rows[rows["where"] != task].value.mean()
+            assert own.without.to_numpy() == pytest.approx(others, abs=ROUNDED) and own.predicted.between(0, 1).all()
+
+
+def test_what_was_predicted_of_placements_stands_beside_what_was_planted_there(world):
+    text, rates = here(world, "fifty_demonstrations"), world.table("fifty_demonstrations")
+    told = world.table("fifty_demonstrations_predicted")
+    assert set(told.task) == {"push"} and len(told) == 14
+    for row in told.itertuples():
+        (own,) = rates[(rates.task == row.task) & (rates.equal == row.equal) & (rates.arm == row.arm)
+                       & (rates.demonstrations == row.demonstrations)].itertuples()
+        assert (row.value, row.low, row.high) == pytest.approx((own.value, own.low, own.high), abs=ROUNDED)
+    ranked = told[told.equal == "demonstrations"][["predicted", "value"]].rank()
+    found = np.corrcoef(ranked.T)[0, 1]
+    assert f"order was {'' if found >= 0.8 else 'not '}as predicted" in text and f"correlation {found:.2f}" in text
+
+
+def test_scores_are_ranked_against_the_rates_of_their_own_cells(world):
+    cells, ranks = pd.DataFrame(rows_of(world, "radius_cells")), world.table("radius_ranks")
+    assert len(ranks) == 2 * len(cells.groupby(["setting", "observation"]))
+    columns = {"distance to what was seen": "predicted", "spread of places": "spread"}
+    for row in ranks.itertuples():
+        own = cells[(cells.setting == row.setting) & (cells.observation == row.observation)]
+        ranked = own[["value", columns[row.score]]].rank()
+        assert row.correlation == pytest.approx(np.corrcoef(ranked.T)[0, 1], abs=0.02) and row.cells == len(own)
+        assert row.low <= row.correlation <= row.high
+    run = world.found("radius", hand="one place", method="static", observation="rgb")[0]
+    seen = visited(run.spec.collection, False).drop(columns="phase").drop_duplicates()[["object_x", "object_y"]]
+    figure = {"sparse": "figure 1", "dense": "figure 3", "circle": "figure 5"}[run.spec.collection.protocol]
+    (own,) = cells[(cells.setting == "hand in one place") & (cells.method == "static")
+                   & (cells["where"] == figure)].to_dict("records")
+    assert own["spread"] == pytest.approx(np.sqrt(seen.var(ddof=0).sum()), abs=ROUNDED)
+
+
 def test_the_rules_verdict_is_what_its_numbers_say_and_is_told(world):
     text = here(world, "radius")
     for (setting, observation), rows in world.table("radius").groupby(["setting", "observation"]):
@@ -992,11 +1032,12 @@ def test_success_stands_over_what_the_same_data_cover(world):
 
 def test_cells_stand_over_their_prediction_and_leads_on_their_line(world):
     rows = pd.DataFrame(rows_of(world, "radius_cells"))
-    (ax,) = panels(world, "radius", "each cell")
-    expected = sorted((row.predicted, row.value, row.low, row.high, COLOURS[row.method])
-                      for row in rows[rows.setting == "hand anywhere"].itertuples())
-    for mark, wanted in zip(drawn(ax), expected, strict=True):
-        assert mark[:4] == pytest.approx(wanted[:4], abs=ROUNDED) and mark[4] == wanted[4]
+    for word, setting in (("each cell", "hand anywhere"), ("each from", "ten tasks")):
+        (ax,) = panels(world, "radius", word)
+        expected = sorted((row.predicted, row.value, row.low, row.high, COLOURS[row.method])
+                          for row in rows[rows.setting == setting].itertuples())
+        for mark, wanted in zip(drawn(ax), expected, strict=True):
+            assert mark[:4] == pytest.approx(wanted[:4], abs=ROUNDED) and mark[4] == wanted[4]
     (ax,) = panels(world, "radius", "MOVE minus")
     leads = world.table("radius_leads")
     for compared, colour in (("all places", GREY), ("equal distance", "#000000")):

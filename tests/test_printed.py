@@ -85,3 +85,10 @@ def test_the_tidy_table_is_written_beside_the_printed_one_and_nothing_is_rounded
     assert "MOVE & 12.3 & 10.0, 20.0" in (tmp_path / "new" / "t.tex").read_text()
     printed.save(table, "t", tmp_path, "A caption.", pd.DataFrame({"In its place": ["7"]}))
     assert "In its place" in (tmp_path / "t.tex").read_text() and "MOVE" not in (tmp_path / "t.tex").read_text()
+
+
+def test_what_rounds_to_nothing_is_written_without_a_sign(tmp_path):
+    numbers = [-2e-18, -4e-5, -6e-5, 0.5, np.nan, np.inf]
+    printed.save(pd.DataFrame({"difference": numbers}), "table", tmp_path, "A table.")
+    assert (tmp_path / "table.csv").read_text().split("\n")[1:-1] == [
+        "0.0000", "0.0000", "-0.0001", "0.5000", '""', "inf"]

@@ -100,6 +100,9 @@ def test_real_data_are_not_called_simulated(tmp_path):
 V2, V3 = "data/chunk-000/episode_{:06d}.parquet", "data/chunk-000/file-000.parquet"
 
 
+VIDEO = "videos/chunk-000/observation.images.wrist/episode_{:06d}.mp4"
+
+
 def v2(folder, **options):
     return w.lerobot_v2(folder, episodes=3, codec="libx264", **options)
 
@@ -171,6 +174,8 @@ SPOILT = {  # what is wrong: who writes it, what is changed, which check finds i
     "an episode over another, renumbered": (
         v2, lambda folder: w.change_table(shutil.copy(folder / V2.format(0), folder / V2.format(2)),
                                           episode_index=np.full(6, 2)), EQUAL, "./2 equals ./0"),
+    "a video over another": (v2, lambda folder: shutil.copy(folder / VIDEO.format(0), folder / VIDEO.format(2)), EQUAL,
+                             "1: the video ./2 wrist equals ./0 wrist"),
     "longer than it is": (v2, lengths(6, 60, 6), STATED, "./1 6 timesteps of 60"),
     "shorter than it is": (v2, lengths(6, 6, 2), STATED, "./2 6 timesteps of 2"),
     "time that runs back": (v2, v2_table(timestamp=STEPS[::-1] / 10), "time increases", "./1"),
@@ -183,6 +188,8 @@ SPOILT = {  # what is wrong: who writes it, what is changed, which check finds i
     "ACT never written": (w.act_hdf5, in_hdf5(never_written), CHUNKS, "/action has 1 of its 2 chunks"),
     "ACT simulated": (w.act_hdf5, in_hdf5(lambda file: file.attrs.__setitem__("sim", True)), "a robot was involved",
                       "say that they are simulated"),
+    "ACT simulated, in a list": (w.act_hdf5, in_hdf5(lambda file: file.attrs.__setitem__("sim", [True])),
+                                 "a robot was involved", "say that they are simulated"),
     "Pika time runs back": (w.pika_tree, sync("camera/color/pikaGripperDepthCamera", lambda lines: lines[::-1]),
                             "time increases", "./0"),
     "Pika arm runs back": (w.pika_tree, sync("arm/jointState/puppet", lambda lines: lines[::-1]),
@@ -198,6 +205,8 @@ SPOILT = {  # what is wrong: who writes it, what is changed, which check finds i
     "indices of another episode": (v2, v2_table(index=STEPS + 3), INDICES, "./1 begins at 3, ./0 ends at 5"),
     "indices of a shared table twice": (w.lerobot_v3, lambda folder: w.change_table(
         folder / V3, index=[*STEPS, *STEPS, *STEPS]), INDICES, "2: ./1 begins at 0, ./0 ends at 5"),
+    "episodes of a shared table in another order": (w.lerobot_v3, lambda folder: w.change_table(
+        folder / V3, episode_index=np.repeat([2, 1, 0], w.STEPS)), INDICES, "2: ./1 begins at 6, ./0 ends at 17"),
     "more episodes stated": (v2, about(total_episodes=4), WHOLE, ".: 4 episodes are stated, 3 are listed"),
     "fewer timesteps stated": (w.lerobot_v3, about(total_frames=17), WHOLE,
                                ".: 17 timesteps are stated, 18 are listed"),

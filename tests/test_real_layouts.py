@@ -74,7 +74,7 @@ def test_each_layout_is_read_back_to_what_was_written(tmp_path, layout):
 
 
 @pytest.mark.parametrize(("write", "index", "joints", "red"), [
-    (lambda f: w.lerobot_v2(f, codec="libx264"), 1, w.joints(1), 3), (w.lerobot_v3, 2, w.joints(2), 5),
+    (lambda f: w.lerobot_v2(f, codec="libx264"), 1, w.joints(1), 4), (w.lerobot_v3, 2, w.joints(2), 5),
     (w.zarr_buffer, 1, w.joints(0, 10)[6:], None)])
 def test_a_later_episode_has_its_own_rows_frames_and_times(tmp_path, write, index, joints, red):
     (e,) = open_dataset(write(tmp_path / "set"), episodes=[index]).episodes
@@ -82,6 +82,15 @@ def test_a_later_episode_has_its_own_rows_frames_and_times(tmp_path, write, inde
     np.testing.assert_allclose(e.timestamps_s, np.arange(len(joints)) / 10, atol=1e-6)
     for frames in e.cameras.values():
         expect_reds(frames.read([3]), [red])
+
+
+@pytest.mark.parametrize("name", ["timestamp", "timestamps", "observations/timestamp", "observations/timestamps"])
+def test_times_of_act_are_read_under_each_of_their_names(tmp_path, name):
+    with h5py.File(w.act_hdf5(tmp_path / "d") / "episode_0.hdf5", "a") as file:
+        file[name] = np.arange(w.STEPS) / 4
+    (e,) = open_dataset(tmp_path / "d").episodes
+    np.testing.assert_allclose(e.timestamps_s, np.arange(w.STEPS) / 4)
+    assert not any("no timestamps" in note for note in e.notes)
 
 
 @pytest.mark.parametrize(("names", "key"), [([w.NAMES], "names"), ({"motors": w.NAMES}, "names"), (w.NAMES, "name"),
@@ -98,7 +107,7 @@ def test_float64_and_plain_lists(tmp_path):
 
 
 @pytest.mark.parametrize(("parts", "names", "note"), [
-    ((w.state, lambda n: w.pose()), [["a"] * 14], "order assumed"),
+    ((w.state, lambda n: w.pose()), None, "order assumed"),
     ((lambda n: w.pose(), lambda n: w.state()[:, 6:]), ["x", "y", "z", "roll", "pitch", "yaw", "gripper"], "")])
 def test_a_pose_next_to_joints_or_alone(tmp_path, parts, names, note):
     folder = w.lerobot_v2(tmp_path / "d", values=lambda n: np.hstack([part(n) for part in parts]), names=names)

@@ -58,6 +58,13 @@ def test_what_names_leave_is_said_and_width_is_asked_only_without_names():
     assert not arms and "kept as stored" in note
 
 
+@pytest.mark.parametrize("names, kept", [(["x", "y", "z", "roll", "pitch", "yaw"], True), (["state"], False)])
+def test_names_that_do_not_fit_the_columns_do_not_make_joints_of_a_pose(tmp_path, names, kept):
+    recorded = open_dataset(w.lerobot_v2(tmp_path / "d", names=names)).episodes[0]
+    assert (recorded.joints is None) is kept
+    assert any(("7 of 7 columns" if kept else "order assumed") in note for note in recorded.notes)
+
+
 def arm(folder, values, names, robot, **about):
     """A LeRobot set of two episodes whose state is `values`, (T, columns), a little other in each."""
     return w.lerobot_v2(folder, values=lambda n: values + 0.01 * n, names=names, width=len(names or values[0]),

@@ -42,7 +42,7 @@ def test_they_make_their_figures_and_tables_from_nothing(tmp_path, monkeypatch):
     monkeypatch.setenv("HF_HUB_OFFLINE", "1")
     run(TRIALS, tmp_path, monkeypatch, profile="smoke")
     run(SETUP, tmp_path, monkeypatch, profile="smoke", episodes=5)
-    pictures = ("table3_real", "fig8_real_setup", "fig8_object_places")
+    pictures = ("table3_real", "fig8_real_setup", "fig8_object_places", "fig8_grasp_places")
     assert {path.name for path in (tmp_path / "smoke").iterdir()} == {
         f"{name}.{kind}" for name in pictures for kind in ("pdf", "png", "caption.md")} | {
         f"{name}.{kind}" for name in ("table3_real", "fig8_real_setup_checks") for kind in ("csv", "tex")}

@@ -54,6 +54,28 @@ def test_poses(tmp_path, scale, position, rotation):
     np.testing.assert_allclose(data.episodes[0].end_effector, w.pose(), rtol=1e-9)
 
 
+@pytest.mark.parametrize("said", [None, "cm"])
+def test_a_pose_in_centimetres_is_not_taken_for_one_in_millimetres(tmp_path, said):
+    def values(n):
+        return np.hstack([w.state(n), w.pose()[:, :3] * 100, w.pose()[:, 3:]])
+
+    (tmp_path / "units.yaml").write_text(f"'*': {{position: {said}}}" if said else "")
+    data = open_dataset(w.lerobot_v2(tmp_path / "d", values=values, names=None, dtype=np.float64),
+                        units_file=tmp_path / "units.yaml")
+    assert data.units.set_index("quantity").unit["position"] == (said or "unknown")
+    if said:
+        np.testing.assert_allclose(data.episodes[0].end_effector, w.pose(), rtol=1e-9)
+    else:
+        assert data.episodes[0].end_effector is None
+
+
+def test_a_unit_that_a_quantity_cannot_have_is_named_and_not_used(tmp_path):
+    names = [*(f"joint_{n}_rad" for n in range(1, 7)), "gripper_mdeg"]
+    data = open_dataset(w.lerobot_v2(tmp_path / "d", names=names))
+    assert "names: mdeg, no unit of it" in data.units.set_index("quantity").note["gripper"]
+    assert data.episodes[0].gripper is None and data.episodes[0].joints is not None
+
+
 def test_between_the_ranges_is_unknown_and_left_out(tmp_path):
     data = open_dataset(source(tmp_path / "d", 5.0 / 1.66, [0.0, 5.0, 0.0]))
     told = data.units.set_index("quantity")

@@ -186,6 +186,20 @@ def test_one_bad_file_is_one_bad_file(honest, folder, change, reason, monkeypatc
     assert checked[f"{specs[1].hash}.json"]["same"]
 
 
+def test_a_collection_may_end_before_its_budget_only_with_the_demonstrations_asked_for(tmp_path):
+    ended = spec().model_copy(update={"collection": Collection(
+        task="pick-place", method="static", timesteps=400, demonstrations=2)})
+    path = results.store(run.run(ended, tmp_path, scratch=tmp_path / "runs"), tmp_path)
+    record = results.read(path).collection
+    assert record["demonstrations"] == 2 and record["timesteps"] < 400
+    for name, value, reason in (("timesteps", 401, "another budget"), ("demonstrations", 1, "another budget"),
+                                ("demonstrations", 3, "another budget")):
+        text = forged(lambda content, name=name, value=value: content["collection"].update({name: value}))(
+            path.read_text(), path, "")
+        with pytest.raises(ValueError, match=reason):
+            stored.from_bytes(text.encode())
+
+
 def test_verify_has_a_row_for_an_unusable_file(honest, folder, monkeypatch):
     path = tamper(whole("null"), honest, folder)
     monkeypatch.setattr(verify, "draw_sample", lambda *arguments: [])

@@ -27,6 +27,7 @@ from move.errors import BadInput
 from move.figures.page import parameters
 from move.figures.plots.film import Where, marked, rings, taken, where
 from move.figures.plots.style import NAMES
+from move.files import written_aside
 from move.learn.agents import Recorded
 from move.learn.evaluation import Start, starts
 from move.learn.rollout import roll_out
@@ -130,10 +131,11 @@ def film(method: str, number: int, actions: np.ndarray, start: Start) -> dict[st
     for place, frame in enumerate(marked(taken(frames, seen, {}))):
         top, left = SIZE * (place // COLUMNS), SIZE * (place % COLUMNS)
         whole[top:top + SIZE, left:left + SIZE] = frame
-    MADE.mkdir(parents=True, exist_ok=True)
-    Image.fromarray(whole).save(sheet, quality=QUALITY)
+    with written_aside(sheet) as new:
+        Image.fromarray(whole).save(new, format="WEBP", quality=QUALITY)
     made = {"file": sheet.name, "frames": len(frames), "steps": rollout.scene.steps, "succeeds": rollout.successes > 0}
-    about.write_text(json.dumps({"made_of": digest, "film": made}))
+    with written_aside(about) as new:
+        new.write_text(json.dumps({"made_of": digest, "film": made}))
     return made
 
 

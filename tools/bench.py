@@ -27,6 +27,7 @@ from metaworld.policies import ENV_POLICY_MAP  # noqa: E402
 from rich.console import Console  # noqa: E402
 from rich.table import Table  # noqa: E402
 
+from move.files import written_aside  # noqa: E402
 from move.learn.agents import PolicyAgent  # noqa: E402
 from move.learn.evaluate import evaluate  # noqa: E402
 from move.learn.evaluation import Evaluation  # noqa: E402
@@ -193,7 +194,8 @@ def main() -> None:
     lines = [f"Measured by `make bench` on {where}.", "", *(f"| {' | '.join(row)} |" for row in
              (header, ("---",) * len(header), *rows))]
     if not sys.argv[1:]:
-        (load_profile("laptop").figures / "bench.md").write_text("\n".join(lines) + "\n")
+        with written_aside(load_profile("laptop").figures / "bench.md") as new:
+            new.write_text("\n".join(lines) + "\n")
 
 
 if __name__ == "__main__":

@@ -16,7 +16,7 @@ from move.figures.page.noise import known_noise
 from move.figures.page.parameters import runs
 from move.sim.grasp_points import CIRCLE
 from move.statistics.estimates import Estimate, TrainingNoise
-from move.statistics.needed import Design
+from move.statistics.needed import Design, Seeds
 from move.statistics.verdicts import INFINITE, NAN, Finding, Missing
 from move.study.labels import LabelledRun
 from move.study.profiles import Profile
@@ -79,6 +79,14 @@ class Evidence:
             lambda seconds: sum(seconds.values()), lambda seconds: seconds.get("evaluate", 0.0)))
         return Design(min(rows.seed.nunique() for rows in sides), int(count), variance, whole, tried * 100 / count)
 
+    def with_seeds(self, finding: Finding, experiment: str, rows: pd.DataFrame) -> Finding:
+        """A finding with what more seeds of the runs of `rows` would tell and cost; as it is where no run has times."""
+        stored = self.stored(experiment)
+        spent = [sum(stored[run].seconds.values()) / 60 for run in rows.run.unique() if run in stored]
+        seeds = rows.seed.nunique()
+        return replace(finding, design=Seeds(seeds, (finding.high - finding.low) / 2, sum(spent) / seeds)
+                       ) if spent else finding
+
     def _law(self, grid: bool) -> TrainingNoise:
         return known_noise(self.profile, "rgb" if self.profile.training.get("rgb") else "keypoints", grid)
 
@@ -105,7 +113,6 @@ class Evidence:
                  for result in self.stored("table2_main").values()
                  if result.spec.training and result.spec.observation == "rgb"]
         return median(spent) if spent else 0.0
-
 
     @cached_property
     def _minutes_without_training(self) -> float:

@@ -34,6 +34,7 @@ from move.claims.evidence import Evidence, region, runs_of
 from move.realworld.trials import compare
 from move.sim.collection import Collection
 from move.sim.coverage import PARTS, configurations, shares
+from move.sim.methods import METHODS
 from move.sim.tasks import TASKS, get_task
 from move.statistics.cells import by_budget, successes
 from move.statistics.data_efficiency import Efficiency, data_efficiency
@@ -127,7 +128,8 @@ def _rates(evidence: Evidence, each: Quantity, experiment: str, failing: bool) -
             continue
         cells = 1 - successes(rows) if failing else successes(rows)
         found = success_rate(cells, evidence.noise(experiment))
-        items.append(evidence.finding(what, found, rows, each, **printed(each, place)))
+        item = evidence.finding(what, found, rows, each, **printed(each, place))
+        items.append(evidence.with_seeds(item, experiment, rows))
     return items
 
 
@@ -185,8 +187,9 @@ def _over_all(
     found = estimate([(successes(one), successes(other)) for one, other in there], evidence.noise(experiment))
     room = NAN if gain else 1 - float(np.mean([other.success.mean() for _, other in there]))
     theirs = _printed_mean(each, gain)
-    return [evidence.finding(each.what, found, pd.concat([part for pair in there for part in pair]), each, room=room,
-                             **theirs)]
+    rows = pd.concat([part for pair in there for part in pair])
+    item = evidence.finding(each.what, found, rows, each, room=room, **theirs)
+    return [evidence.with_seeds(item, experiment, rows)]
 
 
 def _printed_mean(each: Quantity, gain: bool) -> dict[str, Any]:
@@ -257,7 +260,7 @@ def near_minus_far(evidence: Evidence, each: Quantity, experiment: str) -> list[
         return [evidence.missing(each.what, experiment, each.where)]
     near, far = (evidence.rows(experiment, each.where, side).groupby("seed").success.mean()
                  for side in (each.one, each.other))
-    return [_over_seeds(each.what, list(near - far), each, runs_of(rows))]
+    return [evidence.with_seeds(_over_seeds(each.what, list(near - far), each, runs_of(rows)), experiment, rows)]
 
 
 @quantity("decay")
@@ -270,7 +273,7 @@ def decay(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
         return [evidence.missing(each.what, experiment, each.where)]
     steps = rates[second] / rates[first] - rates[third] / rates[second]
     what = f"{each.what} (with the {first} alone at {rates[first].mean():.2f})"
-    return [_over_seeds(what, list(steps), each, runs_of(rows))]
+    return [evidence.with_seeds(_over_seeds(what, list(steps), each, runs_of(rows)), experiment, rows)]
 
 
 @quantity("ladder")
@@ -317,7 +320,7 @@ def speeds(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
         logs = np.log(sorted(there))
         weights = [(logs[-1] - logs[0]) * weight for weight in _slope(logs)]
         found = contrast([there[speed] for speed in sorted(there)], weights, evidence.noise(experiment))
-        items.append(evidence.finding(what, found, rows, each))
+        items.append(evidence.with_seeds(evidence.finding(what, found, rows, each), experiment, rows))
     return items
 
 
@@ -326,7 +329,7 @@ def coverage(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
     """Shares of cells seen, MOVE minus another; where no stored run says, demonstrations are made here, in seconds."""
     timesteps, other = each.options["timesteps"], each.other["method"]
     share = partial(_share, evidence, timesteps=timesteps)
-    return [_over_seeds(f"cells of the {part} seen in {timesteps:,} timesteps, MOVE minus {other}",
+    return [_over_seeds(f"cells of the {part} seen in {timesteps:,} timesteps, MOVE minus {METHODS[other].title}",
                         [share("move", part, seed=seed) - share(other, part, seed=seed) for seed in range(3)], each)
             for part in PARTS]
 
@@ -396,7 +399,8 @@ def robot(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
     counts = paper.TABLE3_REAL.astype({"timesteps": int}).set_index(["timesteps", "method"]).successes
     one, other = (int(counts[side["timesteps"], side["method"]]) for side in (each.one, each.other))
     found = compare((other, paper.REAL_TRIALS), (one, paper.REAL_TRIALS))
-    what = f"{each.what}, {one} and {other} of {paper.REAL_TRIALS} trials, Barnard's exact p {found['barnard']:.3f}"
+    what = (f"{each.what} in the paper's own counts, {one} and {other} of {paper.REAL_TRIALS} trials, "
+            f"Barnard's exact p {found['barnard']:.3f}")
     return [Finding(what, found["difference"], found["low"], found["high"], **region(each),
                     design=Trials(one / paper.REAL_TRIALS, other / paper.REAL_TRIALS))]
 

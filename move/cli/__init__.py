@@ -5,6 +5,7 @@ import is imported by the command that needs it, once names are checked.
 
 by_hand.py      collect, placements, export, train, evaluate, compare
 study.py        run, plan, verify, figure, doctor
+coverage.py     coverage
 teaching.py     mark
 parameters.py   -p name=value
 options.py      the program, and options that several commands have
@@ -21,11 +22,11 @@ import warnings
 import typer
 
 from move import paths
-from move.cli import by_hand, study, teaching
+from move.cli import by_hand, coverage, study, teaching
 from move.cli.options import app
 from move.errors import BadInput
 
-__all__ = ["app", "by_hand", "main", "study", "teaching"]
+__all__ = ["app", "by_hand", "coverage", "main", "study", "teaching"]
 
 INTERRUPTED = 130  # exit code after Ctrl-C
 

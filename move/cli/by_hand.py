@@ -118,7 +118,7 @@ def placements(
     from move.files import written_aside
     from move.sim.placement import Placement, sheet
 
-    rows = sheet(Placement(rule=rule, places=places), _rectangle(within), seed, demonstrations, speed, seconds)
+    rows = sheet(Placement(rule=rule, places=places), rectangle(within), seed, demonstrations, speed, seconds)
     units = {"x": "x (cm)", "y": "y (cm)", "start_x": "start x (cm)", "start_y": "start y (cm)",
              "direction": "direction (deg)", "speed": "speed (cm/s)"}
     shown = [{units.get(name, name): value for name, value in row.items()} for row in rows]
@@ -132,7 +132,7 @@ def placements(
     show_paths([out.absolute()])
 
 
-def _rectangle(text: str) -> Box:
+def rectangle(text: str) -> Box:
     """`x,y,x,y` as a flat box, in the same unit."""
     try:
         x, y, far_x, far_y = (float(part) for part in text.split(","))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, NamedTuple
 
+import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 from pydantic import Field
@@ -19,6 +20,7 @@ from move.figures.tables import as_markdown
 if TYPE_CHECKING:
     from move.realworld import RobotDataSet
 
+PROPOSED = 10  # placements
 Revision = Annotated[str, Field(pattern=r"^([0-9a-f]{40})?$")]
 Episodes = Annotated[int, Field(gt=0, le=10**5, strict=True)]
 Gigabytes = Annotated[float, Field(gt=0, le=10**5, allow_inf_nan=False)]
@@ -77,15 +79,37 @@ def draw(tables: dict[str, pd.DataFrame], data: Data) -> dict[str, Figure]:
     figures = {"fig8_real_setup": real_figures.setup_figure(
         cells, steps, workspace.frame_strips(demos.episodes), simulated=demos.simulated,
         joints=workspace.joint_table(demos.episodes), lacking=workspace.why_no_positions(demos.episodes))}
+    if proposed := _proposed(data):
+        places_of = {method: rows[["x_m", "y_m"]].to_numpy() for method, rows in _grasps(data)}
+        figures["fig8_grasp_places"] = real_figures.grasp_figure(
+            places_of, {method: new for method, (new, _) in proposed.items()}, simulated=demos.simulated)
     if len(places):
         speeds = tracking.object_speeds(places, metres_per_pixel=demos.about.get("metres_per_pixel"))
         figures["fig8_object_places"] = real_figures.object_figure(places, speeds, simulated=demos.simulated)
     return figures
 
 
+def _grasps(data: Data) -> list[tuple[str, pd.DataFrame]]:
+    """The places of each method's grasps, where there are some."""
+    from move.realworld.grasps import grasp_table
+
+    return list(grasp_table(data.seen.demos.episodes).groupby("method"))
+
+
+def _proposed(data: Data) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+    """Where each method's next demonstrations should be, in the part of the table that all grasps span."""
+    from move.statistics.places import next_places, spanned
+
+    grasps = _grasps(data)
+    table = spanned(np.vstack([rows[["x_m", "y_m"]].to_numpy() for _, rows in grasps])) if grasps else None
+    return {method: next_places(rows[["x_m", "y_m"]].to_numpy(), table, PROPOSED)
+            for method, rows in grasps} if table else {}
+
+
 def answer(tables: dict[str, pd.DataFrame], data: Data) -> dict[str, str]:
     """What share of the table's cells the arm visits, and in what share of the image's cells the object was seen."""
     from move.realworld import tracking, workspace
+    from move.statistics.places import in_words, repetitions
 
     demos, cells, _, places = data.seen
     visited = (cells.visits > 0).groupby(cells.method, sort=False).mean()
@@ -94,7 +118,10 @@ def answer(tables: dict[str, pd.DataFrame], data: Data) -> dict[str, str]:
     objects = "; ".join(
         f"{NAMES[method]}: in {len(rows)} frames the orange was seen in {tracking.seen_share(rows):.0%} of the image's "
         "cells" for method, rows in workspace.equal_budget(places).groupby("method"))
-    return {"fig8_real_setup": "; ".join(filter(None, (ways, as_markdown(workspace.why_no_positions(demos.episodes))))),
+    grasps = [f"{NAMES[method]}: {in_words(repetitions(rows[['x_m', 'y_m']].to_numpy()))}"
+              for method, rows in _grasps(data)]
+    return {"fig8_grasp_places": "; ".join(grasps) or "Nothing to compare",
+            "fig8_real_setup": "; ".join(filter(None, (ways, as_markdown(workspace.why_no_positions(demos.episodes))))),
             "fig8_object_places": objects or "Nothing to compare"}
 
 
@@ -111,6 +138,15 @@ WORDS = Words(
         "checks": "What was checked in the real-robot demonstrations.",
     },
     others={
+        "fig8_grasp_places": Words(
+            title="Figure 8, continued. Where demonstrations grasp, and where the next ones should",
+            shown=(
+                "Dots: where the hand was at each grasp, from above in the frame of the arm's base or of the data set. "
+                f"Numbers: where the next {PROPOSED} demonstrations should put the object, in order, each in the "
+                "middle of the largest hole that those before it leave, within the part of the table that all grasps "
+                "span (`move coverage` takes another)."),
+            alt="A map from above for each method with dots at the grasps and numbers in the holes.",
+        ),
         "fig8_object_places": Words(
             title="Figure 8, continued. Where the object was, and how fast it moved",
             shown=(

@@ -91,14 +91,23 @@ def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:
 
 
 def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
-    """How MOVE minus static changes with the length of training, on the mean of the tasks."""
+    """How MOVE minus static changes with the length of training, on the mean of the tasks and where it does most."""
     change, after = (f"{difference_brief(tables[suffix].iloc[-1])}" if len(tables[suffix]) else "not computed yet"
                      for suffix in ("depends", "beyond"))
     of = tables["depends"].task.iloc[-1] if len(tables["depends"]) else "tasks"
     return (
         f"**The paper** trains every policy for 220,000 steps. **Here**, {getattr(TASKS.get(of), 'title', of)}, MOVE "
         f"minus static changes from the shortest to the longest training by {change} points, from the recipe's length "
-        f"to the longest by {after}. **How sure:** {data.sample_size}")
+        f"to the longest by {after}{most_changed(tables['beyond'])}. **How sure:** {data.sample_size}")
+
+
+def most_changed(table: pd.DataFrame) -> str:
+    """Of a table as `length_matters` gives it the task that changes most, in words; none where there is one task."""
+    tasks = table[table.task.isin(TASKS)].reset_index(drop=True)
+    if len(tasks) < 2:
+        return ""
+    row = tasks.loc[tasks.difference.abs().idxmax()]
+    return f", most on {TASKS[row.task].title} by {difference_brief(row)}"
 
 
 WORDS = Words(

@@ -14,6 +14,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from move.errors import BadInput
 from move.figures import fig1_sparse, fig3_dense, fig5_circle
 from move.figures.page.captions import INTERVALS, RATES, Words
 from move.figures.page.data import Data
@@ -30,7 +31,7 @@ from move.statistics.distance import Curve, HeldOut, Tries
 from move.study.axes import budgets
 from move.study.kinds import control_run, policy_run
 from move.study.labels import LabelledRun, grid
-from move.study.profiles import Profile
+from move.study.profiles import Profile, load_profile
 from move.study.results import Result
 from move.study.spec import PolicyRun
 
@@ -39,6 +40,7 @@ SIMULATES = True
 FIGURES = {"figure 1": fig1_sparse, "figure 3": fig3_dense, "figure 5": fig5_circle}
 TEN = "ten tasks"
 INCOMPLETE = "not decided yet: runs are missing"
+AT_HOME = "hand in one place"
 DECIDES = "hand anywhere"  # of figures 1, 3 and 5: as in the paper
 ASKED = "window-open"  # of which the paper says most and where least came out
 SEEN = {"rgb": "pixels", "keypoints": "keypoints"}
@@ -49,7 +51,7 @@ RADII = ["setting", "observation", "factor", "radius", "low", "high", "unit", "f
 def runs(
     profile: Profile, timesteps: Count = 7000, seeds: Repeats = 3, near_hands: Seeds = 3, identical_starts: Seeds = 3,
     grid_side: Count = 15, earlier_grid_side: Count = 12, tasks: tuple[str, ...] = PAPER_TASKS,
-    table_seeds: Seeds = 0, episodes: Count = 100, most_timesteps: Count = 20_000,
+    table_seeds: Seeds = 1, episodes: Count = 100, most_timesteps: Count = 20_000,
     observations: tuple[Observation, ...] = ("rgb", "keypoints"),
 ) -> list[LabelledRun]:
     """Policies of figures 1, 3 and 5, and of table 2 with its experts; the label `experiment` says which.
@@ -103,7 +105,7 @@ def seen(data: Data) -> dict[tuple[str, str], Tried]:
 
 def _setting(labels: Mapping[str, Any]) -> str:
     ten = labels["experiment"] == TEN
-    return TEN if ten else {"one place": "hand in one place"}.get(hand := str(labels["hand"]), f"hand {hand}")
+    return TEN if ten else {"one place": AT_HOME}.get(hand := str(labels["hand"]), f"hand {hand}")
 
 
 def _tries(result: Result, ceiling: float) -> Tries:
@@ -123,7 +125,7 @@ def _tries(result: Result, ceiling: float) -> Tries:
 
 def tables(data: Data) -> dict[str, pd.DataFrame]:
     """What the rule asks, radii, every cell's rate and what it was predicted to be, MOVE minus static, and bins."""
-    findings, radii, cells, leads = [], [], [], []
+    findings, radii, cells, leads, ranks = [], [], [], [], []
     missing = {spec for spec, _ in data.missing}
     lacking = {(_setting(run.labels), run.spec.observation) for run in data.runs if run.spec in missing}
     for (setting, observation), found in data.seen.items():
@@ -135,6 +137,7 @@ def tables(data: Data) -> dict[str, pd.DataFrame]:
                       "limit": one.below, "answer": one.answer, "verdict": verdict} for one in asked]
         radii += [{**named, **row} for row in _radii(found)]
         cells.append(_cells(data, found).assign(**named))
+        ranks += [{**named, **row} for row in _ranks(cells[-1], "where" if not found.on_grids else "cell")]
         equal = next(one for one in asked if one.what == distance.EQUAL)
         for compared, (value, low, high) in (("all places", distance.lead(found.tries)),
                                              ("equal distance", (equal.value, equal.low, equal.high))):
@@ -144,6 +147,7 @@ def tables(data: Data) -> dict[str, pd.DataFrame]:
     return {"": pd.DataFrame(findings, columns=FINDINGS), "radii": pd.DataFrame(radii, columns=RADII),
             "cells": whole[[*order, *(name for name in whole if name not in order)]],
             "leads": pd.DataFrame(leads, columns=[*order, "compared", "difference", "low", "high"]),
+            "ranks": pd.DataFrame(ranks, columns=[*order, "score", "correlation", "low", "high", "cells"]),
             "distance": _bins(data.seen.get((DECIDES, "rgb")))}
 
 
@@ -166,8 +170,11 @@ def _radii(found: Tried) -> list[dict[str, Any]]:
 def _cells(data: Data, found: Tried) -> pd.DataFrame:
     """Rates as in their own figures, what they were predicted to be, and how far away their configurations are.
 
-    `distance` is the median in radii, `beyond` the share of configurations that are farther away than a radius.
+    `distance` is the median in radii, `beyond` the share of configurations that are farther away than a radius,
+    `spread` the standard deviation of the object's places in the data, in metres.
     """
+    from move.study.seen import before_grasp
+
     rows = data.episodes[data.episodes.run.isin(np.unique(found.tries.run)) & (data.episodes.group != "point")]
     rows = rows.assign(where=rows.task if not found.on_grids else rows.experiment)
     rates = rate_table(rows, ["where", "method"], data.noise(rows.observation.iloc[0], grid=found.on_grids))
@@ -175,9 +182,29 @@ def _cells(data: Data, found: Tried) -> pd.DataFrame:
     scaled, held = found.curve.scaled(found.tries.apart), found.held_out
     place = {name: number for number, name in enumerate(held.cell)}
     own = [scaled[found.tries.cell == name] for name in names]
-    return rates.assign(predicted=[held.predicted[place[name]] for name in names],
+    specs = {result.spec.hash: result.spec for result in data.results if isinstance(result.spec, PolicyRun)}
+    spread = [np.mean([np.sqrt(before_grasp(specs[run])["object"].var(axis=0).sum())
+                       for run in np.unique(found.tries.run[found.tries.cell == name])]) for name in names]
+    return rates.assign(cell=names, spread=spread, predicted=[held.predicted[place[name]] for name in names],
                         without=[held.without[place[name]] for name in names],
                         distance=[np.median(each) for each in own], beyond=[(each > 1).mean() for each in own])
+
+
+def _ranks(cells: pd.DataFrame, left_out: str) -> list[dict[str, Any]]:
+    """How well two scores of the data put the cells in the order of their rates: Spearman's correlation.
+
+    One is the rate predicted from the other cells or tasks alone, the other how widely the object's places are spread.
+    Intervals leave out each value of the column `left_out` in turn.
+    """
+    rows = []
+    for score, column in (("distance to what was seen", "predicted"), ("spread of places", "spread")):
+        def correlation(mask: np.ndarray, column: str = column) -> float:
+            return float(cells.loc[mask, column].corr(cells.loc[mask, "value"], method="spearman"))
+
+        value, low, high = map(float, distance.jackknife(cells[left_out].to_numpy(), correlation))
+        rows.append({"score": score, "correlation": value, "low": max(low, -1.0), "high": min(high, 1.0),
+                     "cells": len(cells)})
+    return rows
 
 
 def _bins(found: Tried | None) -> pd.DataFrame:
@@ -255,6 +282,23 @@ def _asked_text(tables: dict[str, pd.DataFrame]) -> str:
     return (f"On {TASKS[ASKED].title} distance predicts a gain of {points(expected)}; MOVE gains {points(gain)}.")
 
 
+def measured() -> list[Curve]:
+    """Success against distance from pixels, hands in one place, as shipped: the curve, then with its radius' ends.
+
+    A robot that begins each demonstration at home has its hand in one place.
+
+    Raises:
+        BadInput: the shipped table of radii is not there, or has no such row.
+    """
+    path = load_profile("laptop").figures / "radius_radii.csv"
+    try:
+        rows = pd.read_csv(path).query("setting == @AT_HOME and observation == 'rgb'")
+        (row,) = rows.itertuples()
+    except (OSError, ValueError) as error:
+        raise BadInput(f"{path} has no row of {AT_HOME!r}; make radius writes it") from error
+    return [Curve(row.top, (radius,), row.steepness) for radius in (row.radius, row.low, row.high)]
+
+
 WORDS = Words(
     title="When does motion pay? Success against the distance to what training saw",
     shown=(
@@ -269,6 +313,9 @@ WORDS = Words(
         "radii": "The distance at which half of the success is left, by factor, in metres or radians.",
         "cells": f"Rates, and what they were predicted to be without themselves. {RATES}",
         "leads": "MOVE minus static in points, over all places and at equal distance, with 95 % intervals.",
+        "ranks": (
+            "Spearman's correlation of two scores of the data with measured success: the success that distance "
+            "predicts without the cell or task itself, and the standard deviation of the object's places."),
         "distance": "Success from pixels by distance in centimetres to the nearest place seen, hands anywhere.",
     },
 )

@@ -10,6 +10,7 @@ frames.py    camera frames by the time of their timesteps, decoded when asked fo
 trials.py    what thirty trials can show: exact intervals, tests, power, possible scores
 scoring.py   a laboratory's own scoring sheet
 workspace.py what the demonstrations cover
+grasps.py    where demonstrations grasp, from any data set
 tracking.py  where the orange is in the images
 checks.py    what was checked, for every layout alike: pass, differs or unknown
 piper.py     the arm's limits and kinematics

@@ -10,6 +10,7 @@ from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -124,16 +125,17 @@ def _numbering(episode: RobotEpisode) -> str | None:
 
 
 def _indices(episodes: Sequence[RobotEpisode]) -> Check:
-    """Whether no two episodes of a part count their timesteps, from its beginning, by the same numbers."""
-    spans = sorted((e.part, numbers[0], numbers[-1], _name(e)) for e in episodes
+    """Whether the numbers by which a part counts its timesteps, from its beginning, grow from episode to episode."""
+    spans = sorted((e.part, e.index, numbers[0], numbers[-1], _name(e)) for e in episodes
                    if len(numbers := e.numbering.get("index", np.empty(0))))
     return _check("indices count on from episode to episode", [
         f"{name} begins at {first:.0f}, {before} ends at {last:.0f}" if part == same and first <= last else ""
-        for (same, _, last, before), (part, first, _, name) in pairwise(spans)], "none twice", "no two have an index")
+        for (same, _, _, last, before), (part, _, first, _, name) in pairwise(spans)], "none twice, none back",
+        "no two have an index")
 
 
 def _equal(episodes: Sequence[RobotEpisode]) -> Check:
-    """Whether two episodes hold the same numbers; their times and pictures are not looked at."""
+    """Whether two episodes hold the same numbers, apart from their times, or videos of the same bytes."""
     first: dict[str, str] = {}
     findings = []
     for e in episodes:
@@ -141,8 +143,21 @@ def _equal(episodes: Sequence[RobotEpisode]) -> Check:
         digest = hashlib.sha256(b"".join(np.ascontiguousarray(stream).tobytes() for stream in streams)).hexdigest()
         same = first.setdefault(digest, _name(e))
         findings.append("" if same == _name(e) else f"{_name(e)} equals {same}")
-    return _check("no two episodes are equal", findings if len(episodes) > 1 else [], f"{len(episodes)} episodes",
-                  "one episode alone")
+    return _check("no two episodes are equal", [*findings, *_equal_videos(episodes)] if len(episodes) > 1 else [],
+                  f"{len(episodes)} episodes", "one episode alone")
+
+
+def _equal_videos(episodes: Sequence[RobotEpisode]) -> list[str]:
+    """Which files of videos are copies of others; only those of one size are read."""
+    files = {path: f"{_name(e)} {camera}" for e in reversed(episodes) for camera, frames in e.cameras.items()
+             if (path := Path(frames.source)).is_file()}
+    sizes, first, findings = Counter(path.stat().st_size for path in files), dict[bytes, str](), []
+    for path, name in reversed(files.items()):
+        if sizes[path.stat().st_size] > 1:
+            with path.open("rb") as file:
+                same = first.setdefault(hashlib.file_digest(file, "sha256").digest(), name)
+            findings.append("" if same == name else f"the video {name} equals {same}")
+    return findings
 
 
 def _frames(episode: RobotEpisode, camera: str) -> str:

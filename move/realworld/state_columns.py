@@ -11,7 +11,7 @@ import numpy as np
 POSE = ("x", "y", "z", "roll", "pitch", "yaw")
 _ROTATION_AXIS = {"x": "roll", "y": "pitch", "z": "yaw"}
 _UNITS = {"rad": "rad", "radian": "rad", "radians": "rad", "deg": "deg", "degree": "deg", "degrees": "deg",
-         "mdeg": "mdeg", "m": "m", "mm": "mm", "um": "um", "percent": "percent", "pct": "percent"}
+         "mdeg": "mdeg", "m": "m", "cm": "cm", "mm": "mm", "um": "um", "percent": "percent", "pct": "percent"}
 # words of a name, in lower case
 _SIDES = {"l": "left", "r": "right", "left": "left", "right": "right"}
 _GRIPPER = {"gripper", "grippers", "grasper", "jaw", "claw"}
@@ -35,13 +35,16 @@ class Columns:
 
 
 def flat_names(names: object) -> list[str]:
-    """Flatten the ways feature names are written: a list, a list in a list, `{"motors": [...]}`, or null.
+    """Flatten the ways feature names are written: lists, `{"motors": [...]}`, names with their columns, or null.
 
-    >>> flat_names([["joint_1", "gripper"]]), flat_names({"motors": ["a"]}), flat_names(None)
-    (['joint_1', 'gripper'], ['a'], [])
+    >>> flat_names([["joint_1", "gripper"]]), flat_names({"motors": ["a"]}), flat_names({"b": 1, "a": 0})
+    (['joint_1', 'gripper'], ['a'], ['a', 'b'])
     """
     if isinstance(names, dict):
-        names = list(names.values()) if all(isinstance(v, list) for v in names.values()) else list(names)
+        if all(type(column) is int for column in names.values()):
+            names = sorted(names, key=names.__getitem__)
+        else:
+            names = list(names.values()) if all(isinstance(v, list) for v in names.values()) else list(names)
     if not isinstance(names, list | tuple):
         return []
     flat: list[str] = []
@@ -55,7 +58,7 @@ def split_columns(names: Sequence[str], width: int, *, piper_order: bool = True
     """Tell the arms, joints, pose and gripper of a state vector apart.
 
     Args:
-        names: one name a column; another number of names is none.
+        names: one name a column, or none.
         width: number of columns found in the data.
         piper_order: whether a state without names may be PIPER's.
 

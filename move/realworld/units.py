@@ -31,11 +31,11 @@ from move.realworld.piper import is_piper
 from move.untrusted import read_text, reading
 
 ANGLE = {"rad": 1.0, "deg": np.pi / 180, "mdeg": np.pi / 180e3}  # mdeg, um: as on PIPER's own bus
-LENGTH = {"m": 1.0, "mm": 1e-3, "um": 1e-6}
+LENGTH = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6}
 TIME = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 PIKA_OPEN_RAD = 1.6  # encoder angle; 0 is closed
 # unit of a gripper -> factor, unit that it is turned into
-GRIPPER = {"m": (1.0, "m"), "mm": (1e-3, "m"), "um": (1e-6, "m"), "half_m": (2.0, "m"),
+GRIPPER = {"m": (1.0, "m"), "cm": (1e-2, "m"), "mm": (1e-3, "m"), "um": (1e-6, "m"), "half_m": (2.0, "m"),
            "normalised": (1.0, "normalised"), "percent": (0.01, "normalised"),
            "pika_rad": (1 / PIKA_OPEN_RAD, "normalised"), "rad": (1.0, "rad"), "deg": (np.pi / 180, "rad")}
 UNITS = {"time": tuple(TIME), "joints": (*ANGLE, "percent"), "position": tuple(LENGTH), "rotation": tuple(ANGLE),
@@ -46,7 +46,7 @@ _ANGLES = ((0.0, 3.2, "rad"), (7.0, 360.0, "deg"), (1000.0, np.inf, "mdeg"))
 RANGES = {
     "time": ((0.002, 1.0, "s"), (2.0, 1e3, "ms"), (2e3, 1e6, "us"), (2e6, 1e9, "ns")),
     "joints": _ANGLES, "rotation": _ANGLES,
-    "position": ((0.0, 2.0, "m"), (10.0, 2000.0, "mm"), (2000.0, np.inf, "um")),
+    "position": ((0.0, 2.0, "m"), (100.0, 2000.0, "mm"), (2000.0, np.inf, "um")),  # below 100 it may be cm
     "gripper": ((0.0, 0.11, "m"), (0.11, 1.05, "normalised"), (1.2, 1.8, "pika_rad"), (50.0, 200.0, "mm"),
                 (1000.0, np.inf, "um")),
 }
@@ -148,6 +148,8 @@ def _row(about: Recording, quantity: str, values: np.ndarray, given: Mapping[str
     sized, hint, by = by_size(quantity, largest), about.hints.get(quantity), "names"
     if quantity == "gripper" and hint is None and _IN_PER_CENT.search(about.robot or ""):
         hint, by = "percent", "the arm"
+    if hint and hint not in UNITS[quantity]:
+        return row("unknown", "nothing", f"{by}: {hint}, no unit of it: {NAME_IT}")
     if hint and _contradict(quantity, hint, sized, largest):
         return row("unknown", "nothing", f"{by}: {hint}; the numbers look like {sized}: {NAME_IT}")
     if hint:

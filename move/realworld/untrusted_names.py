@@ -11,6 +11,8 @@ from move.errors import BadInput
 _TEMPLATE = re.compile(r"(?:[^{}]|\{[a-z_]+(?::0?\d{1,2}d)?\})*")
 _LONGEST = 1_000  # characters of a name
 _MARKUP = "<>&\"'`"
+# printable, says Unicode, and yet not seen
+_UNSEEN = re.compile("[\u034f\u115f\u1160\u17b4\u17b5\u2800\u3164\ufe00-\ufe0f\uffa0\U000e0100-\U000e01ef]")
 
 
 def plain_text(text: str, where: object) -> str:
@@ -24,7 +26,8 @@ def plain_text(text: str, where: object) -> str:
     """
     if len(text) > _LONGEST:
         raise BadInput(f"name {text[:40]!r}... in {where} has {len(text)} characters; allowed are {_LONGEST}")
-    odd = next((letter for letter in text if letter in _MARKUP or not letter.isprintable()), None)
+    odd = next((letter for letter in text if letter in _MARKUP or not letter.isprintable() or _UNSEEN.match(letter)),
+               None)
     if odd is not None:
         raise BadInput(f"name {ascii(text)[:80]} in {where} holds {ascii(odd)}; allowed: no markup ({_MARKUP}) and no "
                        "control characters")

@@ -46,7 +46,6 @@ class Design:
             return self.minutes * max(seeds - self.seeds, 0)
         return seeds * (self.minutes + self.evaluation_minutes * (configurations - self.configurations) / 100)
 
-
     def needed(self, distance: float) -> str:
         """The cheapest way to know a difference as well as its distance from what is claimed, in words.
 
@@ -80,3 +79,31 @@ class Trials:
         wanted = max(abs(distance), LEAST_EFFECT)
         variance = self.one * (1 - self.one) + self.other * (1 - self.other)
         return f"{math.ceil(1.96**2 * variance / wanted**2)} trials of each would tell it to +-{wanted:.2g}"
+
+
+@dataclass(frozen=True)
+class Seeds:
+    """A number over fixed configurations, such as all places of a grid: more seeds of the same runs tell it better.
+
+    Args:
+        seeds: of each of its runs.
+        half_width: half its 95 % interval, which narrows with the root of the number of seeds.
+        minutes: core-minutes of one seed of all its runs.
+    """
+
+    seeds: int
+    half_width: float
+    minutes: float
+
+    def needed(self, distance: float) -> str:
+        """How many seeds would tell the number as well as its distance from what is claimed.
+
+        >>> Seeds(3, 0.33, 30.0).needed(0.19)
+        '10 seeds, about 210 core-minutes, would tell it to +-0.18'
+        """
+        wanted = max(abs(distance), LEAST_EFFECT)
+        seeds = max(math.ceil(self.seeds * (self.half_width / wanted) ** 2), self.seeds + 1)
+        if seeds > MOST_SEEDS:
+            return f"{MOST_SEEDS} seeds would not tell it to +-{wanted:.2g}"
+        return (f"{seeds} seeds, about {self.minutes * (seeds - self.seeds):.0f} core-minutes, would tell it to "
+                f"+-{self.half_width * math.sqrt(self.seeds / seeds):.2g}")

@@ -4,10 +4,10 @@ Nobody types one. README, captions, notebooks and the ledger have the same words
 
     reproduced                  every finding is a clear yes, and the paper's size is not excluded
     reproduced, smaller         the same, and the paper's size is excluded: ours is smaller (or larger)
-    direction only              not every finding is clear, none is a no, and their mean (or trend) is a clear yes
+    direction only              not every finding is clear, none is surely a no, and the mean (or trend) is a clear yes
     undecided                   the intervals hold both answers; what would decide it is printed
     at the ceiling              undecided where the baseline leaves less room than the paper's effect takes
-    refuted here                a finding is a clear no
+    refuted here                a finding is a clear no, or their mean (or trend) is
     contradicted by the paper   the paper's own printed numbers say otherwise
     not testable                nothing that runs on a computer could decide it
     not built here              it could be tested, and nothing here does
@@ -17,10 +17,10 @@ A finding is a number with its 95 % interval. It is a yes where the whole interv
 where the whole interval lies outside of it, and open otherwise: the interval is the only test. How the findings of a
 claim are joined is part of the claim:
 
-    every   all have to be a yes, each at .05; refuted by one that is a no after Holm's adjustment
+    every   all have to be a yes, each at .05; refuted by one that is a no after Holm's adjustment, or by their mean
     some    one has to be a yes after Holm's adjustment; refuted if all are a no
     mean    one number over all, so a single finding
-    trend   as every, but the direction is that of a contrast over all
+    trend   as every, but the direction is that of a contrast over all, and so is what refutes in place of the mean
 
 The paper's value has a noise of its own where its number of episodes is known (`Finding.paper_half_width`).
 """
@@ -35,7 +35,7 @@ import numpy as np
 from scipy.special import ndtr, ndtri
 
 from move.statistics.estimates import holm
-from move.statistics.needed import Design, Trials
+from move.statistics.needed import Design, Seeds, Trials
 
 LEVEL = 0.05
 TWO_SIDED = float(ndtri(1 - LEVEL / 2))
@@ -80,7 +80,7 @@ class Finding:
     runs: tuple[str, ...] = ()
     text: str = ""
     trend: bool = False
-    design: Design | Trials | None = field(default=None, compare=False)
+    design: Design | Seeds | Trials | None = field(default=None, compare=False)
 
     @property
     def answer(self) -> Answer:
@@ -148,7 +148,8 @@ class Finding:
 
     def __str__(self) -> str:
         printed = "" if np.isnan(self.paper) else f" (paper {self.paper:.3g}{self._noise})"
-        return f"{self.what}: {self.text or f'{self.value:.3g} [{self.low:.3g}, {self.high:.3g}]'}{printed}"
+        value, low, high = (f"{round(number, 12) + 0.0:.3g}" for number in (self.value, self.low, self.high))
+        return f"{self.what}: {self.text or f'{value} [{low}, {high}]'}{printed}"
 
     @property
     def _noise(self) -> str:
@@ -232,11 +233,11 @@ def verdict(items: Sequence[Item], join: Join = "every") -> str:
         return _some(findings)
     if all(finding.answer == "yes" for finding in findings):
         return _sized(findings)
-    if _surely_no(findings):
+    directions = contrasts if join == "trend" else [mean_finding(findings)] if len(findings) > 1 else []
+    if _surely_no(findings) or _surely_no(directions):
         return REFUTED
     if all(finding.no_room for finding in findings if finding.answer != "yes"):
         return CEILING
-    directions = contrasts if join == "trend" else [mean_finding(findings)] if len(findings) > 1 else []
     return DIRECTION if directions and all(one.answer == "yes" for one in directions) else UNDECIDED
 
 
@@ -269,7 +270,7 @@ def _some(findings: Sequence[Finding]) -> str:
         return _sized(clear)
     if all(finding.answer == "no" for finding in findings):
         return REFUTED
-    return CEILING if all(finding.no_room for finding in findings if finding.answer == "open") else UNDECIDED
+    return CEILING if all(finding.no_room for finding in findings if finding.answer != "no") else UNDECIDED
 
 
 def _surely_no(findings: Sequence[Finding]) -> bool:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, NonNegativeInt, ValidationError
@@ -45,7 +46,7 @@ class _File(BaseModel):
 
     model_config = ConfigDict(strict=True, extra="ignore", hide_input_in_errors=True)
 
-    task: str
+    task: Annotated[str, Field(pattern=r"^[\w-]{1,100}$")]
     rows: list[dict[str, Any]] = Field(min_length=1)
     provenance: _Provenance = _Provenance()  # which earlier versions did not print
 
@@ -55,7 +56,7 @@ class Evaluated:
     """One policy's or control's episodes, without those at its own training points, and what computed them."""
 
     name: str
-    task: str
+    task: Annotated[str, Field(pattern=r"^[\w-]{1,100}$")]
     rows: list[_Row]
     provenance: dict[str, Any]
 
@@ -121,6 +122,9 @@ def _of_file(given: str, path: Path, about: dict[str, Any]) -> Evaluated:
 
 def _evaluated(given: str, task: str, rows: list[dict[str, Any]], provenance: dict[str, Any]) -> Evaluated:
     read = [_row(row, given) for row in rows]
+    counts = Counter((row.group, row.trial) for row in read)
+    if twice := [trial for (_, trial), count in counts.items() if count > 1]:
+        raise BadInput(f"{given}: trial {twice[0]} stands there more than once; allowed is once")
     return Evaluated(given, task, [row for row in read if row.group != "point"], provenance)
 
 

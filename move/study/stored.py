@@ -162,8 +162,11 @@ def from_bytes(raw: bytes) -> tuple[RunSpec, list[dict], dict[str, Any]]:
             raise ValueError(f"{name}: not as a {spec.kind}'s")
     if set(content.seconds) != PARTS[spec.kind]:
         raise ValueError(f"seconds: of {', '.join(content.seconds) or 'nothing'}; a {spec.kind} has others")
-    if record and spec.collection and record.timesteps != spec.collection.timesteps:
-        raise ValueError("collection: of another budget")
+    if record and spec.collection:
+        most, budget = spec.collection.demonstrations, spec.collection.timesteps
+        ends = record.demonstrations == most  # with its last demonstration, if the budget was not full before
+        if not (record.timesteps == budget or ends and record.timesteps < budget):
+            raise ValueError("collection: of another budget")
     if content.training and spec.training and content.training.curve[-1][0] != spec.training.gradient_steps:
         raise ValueError("training: the curve does not end at the last gradient step")
     columns = _columns(content.rows, spec, record.demonstrations if record else 0)

@@ -203,9 +203,14 @@ def save(
                              for column in ("seeds",) if column in table and table[column].map(type).eq(list).any()})
     text = latex(readable(table) if printed is None else printed, name, caption)
     with written_aside(folder / f"{name}.csv") as new:
-        joined.to_csv(new, float_format="%.4f", index=table.index.name is not None)
+        joined.to_csv(new, float_format=_four_digits, index=table.index.name is not None)
     with written_aside(folder / f"{name}.tex") as new:
         new.write_text(text, encoding="utf-8")
+
+
+def _four_digits(value: float) -> str:
+    """A number in a CSV file; what rounds to 0 has no sign."""
+    return "0.0000" if (text := f"{value:.4f}") == "-0.0000" else text
 
 
 def latex(printed: pd.DataFrame, name: str, caption: str) -> str:

@@ -5,6 +5,7 @@ brackets        p between the two methods at each budget
 score_cells     normalised scores, with the range that the successes alone leave open
 coverage_map    which cells of the half disc were visited
 paths           trajectories of the end effector over the half disc
+grasp_map       where demonstrations grasp, and where the next ones should
 joint_lines     one joint's angle over time
 speed_dots      speed of the moved object, one dot an episode
 object_map      where the object was seen in the image before its grasp
@@ -127,6 +128,23 @@ def paths(table: pd.DataFrame, ax: Axes, *, colour: str = COLOURS["move"]) -> No
         ax.plot(before["y_m"], before["x_m"], color=colour, linewidth=0.8, alpha=0.6, zorder=2)
         if steps["grasped"].any():
             ax.plot(before["y_m"].iloc[-1], before["x_m"].iloc[-1], marker="o", markersize=3.5, color=colour, zorder=5)
+
+
+def grasp_map(places: np.ndarray, proposed: np.ndarray, ax: Axes, *, colour: str = COLOURS["move"]) -> None:
+    """Draw the places of grasps from above as dots, and those proposed next as numbers, in centimetres.
+
+    Args:
+        places: (N, 2) m.
+        proposed: (K, 2) m, in order.
+    """
+    ax.plot(*(100 * places.T), ls="none", marker="o", ms=4, color=colour, alpha=0.6, mec="none")
+    for number, (x, y) in enumerate(100 * proposed, 1):
+        ax.text(x, y, str(number), ha="center", va="center", zorder=5,
+                bbox={"boxstyle": "circle,pad=0.15", "fc": "white", "ec": "black", "lw": 0.6})
+    ax.update_datalim(100 * proposed)
+    ax.margins(0.12)
+    ax.set(xlabel="x (cm)", ylabel="y (cm)")
+    ax.set_aspect("equal", adjustable="datalim")
 
 
 def joint_lines(table: pd.DataFrame, name: str, ax: Axes) -> None:

@@ -2,6 +2,7 @@
 
 cells_figure    success and score of the four cells
 setup_figure    coverage, trajectories and frames of each method: figure 8
+grasp_figure    where demonstrations grasp, and where the next ones should
 object_figure   where the object was seen, and how fast it moved
 """
 
@@ -64,6 +65,29 @@ def object_figure(places: pd.DataFrame, speeds: pd.DataFrame, *, simulated: bool
     counts = [len(places[places["method"] == method].groupby(["part", "index"])) for method in methods]
     style.titles(list(axes[0]), [*(f"{NAMES[method]}: the orange (n = {count})"
                                    for method, count in zip(methods, counts, strict=True)), "its speed"])
+    if simulated:
+        style.heading(figure, SIMULATED_TEXT)
+    return figure
+
+
+def grasp_figure(places: Mapping[str, np.ndarray], proposed: Mapping[str, np.ndarray], *, simulated: bool = False
+                 ) -> Figure:
+    """Lay out where demonstrations grasp, and in which holes the next ones should be put, a panel a method.
+
+    Args:
+        places: method, or "" for one that is not known -> (N, 2) m.
+        proposed: the same method -> (K, 2) m, in order.
+        simulated: whether to say so on the figure.
+
+    Returns:
+        A figure of two-column width, or of one column for one method.
+    """
+    width = PAGE_WIDTH if len(places) > 1 else style.COLUMN_WIDTH
+    figure, axes = plt.subplots(1, len(places), figsize=(width, 3.2), squeeze=False)
+    for (method, points), ax in zip(places.items(), axes[0], strict=True):
+        real_plots.grasp_map(points, proposed[method], ax, colour=COLOURS.get(method, "#444444"))
+    style.titles(list(axes[0]), [f"{NAMES.get(method, '')}: {len(points)} grasps".removeprefix(": ")
+                                 for method, points in places.items()])
     if simulated:
         style.heading(figure, SIMULATED_TEXT)
     return figure

@@ -68,7 +68,7 @@ def read(part: Part, ref: EpisodeRef) -> Recording:
         else:
             raise BadInput(f"cannot read {path}: found groups {sorted(file)[:8]}; expected arm/, gripper/ or "
                            "localization/ (Pika), observations/qpos (ACT) or puppet/ (RoboMIND)")
-    simulated = bool(flag) if isinstance(flag, bool | np.bool_ | int | np.integer) else None
+    simulated = bool(np.any(flag)) if np.asarray(flag).dtype.kind in "biu" and np.size(flag) else None
     return replace(recording, gaps=gaps, simulated=simulated)
 
 
@@ -166,7 +166,8 @@ def _pika_camera(path: Path, data: h5py.Dataset) -> Frames:
 def _act(part: Part, ref: EpisodeRef, file: h5py.File, path: Path) -> Recording:
     state = _values(file, "observations/qpos")
     arm, _, notes = arm_streams(state)
-    times = next((key for key in ("observations/timestamp", "timestamps", "timestamp") if key in file), "timestamp")
+    names = (f"{group}timestamp{s}" for group in ("observations/", "") for s in ("", "s"))
+    times = next((name for name in names if name in file), "timestamp")
     streams = {**arm, "action": _recorded(file, "action"), "state": state, "timestamps": _recorded(file, times)}
     cameras = {name: from_hdf5(path, data.name) for name, data in file.get("observations/images", {}).items()}
     notes += ["order of the colour channels is not recorded: red first assumed"] if cameras else []

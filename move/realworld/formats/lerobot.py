@@ -245,5 +245,5 @@ def _state(table: pa.Table, features: Mapping[str, Any]) -> tuple[np.ndarray | N
         own = _names_of(features.get(key, {}))
         told = len(own) == block.shape[1]
         names += own if told else [f"unnamed_{n}" for n in range(block.shape[1])]
-        named = named or told
+        named = named or told or len(own) > 1  # one name is that of the vector; another number names no column
     return np.hstack(blocks) if blocks else None, names if named else []

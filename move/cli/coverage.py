@@ -1,0 +1,81 @@
+"""What a data set covers: coverage."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Annotated, Any, Optional
+
+import typer
+
+from move import paths
+from move.cli.by_hand import rectangle
+from move.cli.options import Json, app, examples
+from move.cli.output import show, show_paths
+from move.errors import BadInput
+from move.files import refuse_unwritable
+
+
+@app.command(epilog=examples("move coverage build/data/NAME.zarr", "move coverage ~/lerobot/pick --radius 6 --next 20",
+                             "move coverage OWNER/NAME --within 0,-20,40,20 --out map.png"))
+def coverage(
+    data: Annotated[str, typer.Argument(help="a folder of demonstrations in any layout, or owner/name of the Hub")],
+    radius: Annotated[Optional[float], typer.Option(
+        min=0.1, max=1000, help="cm at which half of the success is left (default: measured in simulation, fig. radius)"
+    )] = None,
+    within: Annotated[Optional[str], typer.Option(
+        help="corners of the table's part: x,y,x,y in cm, in the data's frame (default: around the grasps)")] = None,
+    coming: Annotated[int, typer.Option("--next", min=1, max=1000, help="placements to propose")] = 10,
+    units_file: Annotated[Optional[Path], typer.Option(help="YAML that overrides detected units")] = None,
+    out: Annotated[Optional[Path], typer.Option(help="PNG file for a map; a PDF comes next to it")] = None,
+    as_json: Json = False,
+) -> None:
+    """Say where demonstrations grasp, which places they repeat, which holes they leave, and what to add."""
+    paths.refuse_outside_checkout()
+    box = rectangle(within) if within is not None else None
+    if out is not None:
+        if out.suffix != ".png":
+            raise BadInput(f"out: {str(out)!r} given; allowed is a file that ends in .png")
+        refuse_unwritable(out)
+    from move.figures.radius import measured
+    from move.realworld.grasps import grasps
+    from move.statistics import places as statistics
+
+    found, curves = grasps(data, units_file=units_file), measured()
+    known = f"{_interval([100 * curve.radii[0] for curve in curves], 1)}, measured in simulation"
+    if radius is not None:
+        curves, known = [replace(curves[0], radii=(radius / 100,))], f"{radius:g}, given"
+    table = statistics.spanned(found.places) if box is None else (
+        (box.low[0] / 100, box.low[1] / 100), (box.high[0] / 100, box.high[1] / 100))
+    if table is None:
+        raise BadInput(f"{data}: all grasps are on one line, which is no part of a table; allowed: --within x,y,x,y")
+    new, holes = statistics.next_places(found.places, table, coming)
+    expected = [100 * statistics.expected_success(found.places, table, curve) / curve.top for curve in curves]
+    summary: dict[str, Any] = {
+        "data": found.origin, "left out": "; ".join(found.without) or "nothing", "grasps": len(found.places),
+        "places": statistics.in_words(statistics.repetitions(found.places)),
+        "part of the table (cm)": ", ".join(f"{100 * value:.1f}" for corner in table for value in corner),
+        "radius (cm)": known, "places in effect": statistics.effective_number(found.places, curves[0]),
+        "largest hole, to the nearest grasp (cm)": 100 * float(holes[0]),
+        "success over this part, of that at a place seen (%)": _interval(expected, 0)}
+    proposed = [{"placement": number, "x (cm)": round(100 * float(x), 1), "y (cm)": round(100 * float(y), 1),
+                 "nearest before it (cm)": round(100 * float(hole), 1)}
+                for number, ((x, y), hole) in enumerate(zip(new, holes, strict=True), 1)]
+    if out is not None:
+        from move.figures.plots import real_figures, style
+
+        style.use_style()
+        style.save(real_figures.grasp_figure({"": found.places}, {"": new}), out.stem, out.parent)
+    if as_json:
+        return show({**summary, "next": proposed, "map": str(out.absolute()) if out else None}, True, "")
+    show(summary, False, "What these demonstrations cover")
+    show(proposed, False, "Where to put the object next")
+    if out is not None:
+        show_paths([out.absolute()])
+
+
+def _interval(values: Sequence[float], digits: int) -> str:
+    """A value, and the range of the others if there are any."""
+    value, *ends = (f"{value:.{digits}f}" for value in values)
+    return f"{value} [{', '.join(sorted(ends, key=float))}]" if ends else value

@@ -1,0 +1,85 @@
+"""Where demonstrations grasp: the places on the table in a data set of any layout, or in one collected here."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from move.errors import BadInput
+from move.realworld.dataset import open_dataset
+from move.realworld.episode import RobotEpisode
+from move.realworld.workspace import grasp_step, positions
+from move.untrusted import read_json
+
+SIMULATION = ".zattrs"  # of a folder that `move collect` wrote; it holds the record of the collection
+
+
+class Grasps(NamedTuple):
+    """Places in metres, (N, 2): x and y of the object in the simulation, of the hand for a robot, in its own frame."""
+
+    places: np.ndarray
+    origin: str  # one line on where they come from
+    without: tuple[str, ...]  # a line on each kind of demonstration that has no place
+
+
+def grasps(data: str, *, units_file: Path | None = None) -> Grasps:
+    """Read the places of all grasps of a data set.
+
+    Args:
+        data: a folder, or owner/name of a data set of the Hub.
+        units_file: as for `open_dataset`.
+
+    Raises:
+        BadInput: no such data set, or one whose rows hold no grasp or nothing of where the hand was.
+    """
+    if (Path(data) / SIMULATION).is_file():
+        attributes = read_json(Path(data) / SIMULATION, "a JSON object that describes a data set")
+        if "record" in attributes:
+            from move.learn.dataset import load  # refuses one that was changed
+
+            _, attributes = load(Path(data))
+            points = np.array(attributes["record"]["grasp_points"], float).reshape(-1, 2)
+            return Grasps(points, f"simulation, {len(points)} demonstrations", ())
+    demos = open_dataset(data, revision=None, episodes=None, units_file=units_file)
+    table, why = grasp_table(demos.episodes), why_no_grasps(demos.episodes)
+    if table.empty:
+        raise BadInput(f"{data}: no place of a grasp: {why}")
+    return Grasps(table[["x_m", "y_m"]].to_numpy(), demos.origin, (*filter(None, [why]), *demos.unread))
+
+
+def grasp_table(episodes: Sequence[RobotEpisode]) -> pd.DataFrame:
+    """Where the hand was at each grasp that has a place: method, part, index, x_m, y_m, in the arm's own frame."""
+    rows = [{"method": episode.method, "part": episode.part, "index": episode.index,
+             "x_m": float(place[0]), "y_m": float(place[1])}
+            for episode in episodes if (place := _place(episode)) is not None]
+    return pd.DataFrame(rows, columns=["method", "part", "index", "x_m", "y_m"])
+
+
+def _hand(episode: RobotEpisode) -> np.ndarray | None:
+    """Where the hand was, (T, 3) m: by PIPER's kinematics, or for another arm as it was recorded."""
+    known = positions(episode)
+    return known if known is not None or episode.end_effector is None else episode.end_effector[:, :3]
+
+
+def _place(episode: RobotEpisode) -> np.ndarray | None:
+    hand = _hand(episode)
+    step = None if hand is None or episode.gripper is None else grasp_step(episode.gripper)
+    return hand[step, :2] if hand is not None and step is not None and np.isfinite(hand[step, :2]).all() else None
+
+
+def why_no_grasps(episodes: Sequence[RobotEpisode]) -> str:
+    """Why some demonstrations have no place of a grasp, in words; "" where all have one."""
+    def reason(episode: RobotEpisode) -> str:
+        if _place(episode) is not None:
+            return ""
+        if _hand(episode) is None:
+            return "no pose of the hand in known units, and no joints of a PIPER"
+        return "no gripper" if episode.gripper is None else "no grasp"
+
+    counts = Counter(filter(None, map(reason, episodes)))
+    return "; ".join(f"{count} of {len(episodes)} demonstrations: {why}" for why, count in counts.items())

@@ -1,0 +1,123 @@
+"""What a data set covers: repeated places, holes, what to add and what to expect, whatever layout it has."""
+
+import json
+
+import numpy as np
+import pytest
+import real_writers as w
+
+from move.cli import main
+from move.errors import BadInput
+from move.realworld import open_dataset
+from move.realworld.grasps import grasp_table, grasps, why_no_grasps
+from move.statistics import places as p
+from move.statistics.distance import Curve
+
+TABLE = ((0.0, -0.2), (0.4, 0.2))
+CURVE = Curve(0.9, (0.04,), 4.0)
+
+
+def spread(count: int, seed: int = 0) -> np.ndarray:
+    return np.random.default_rng(seed).uniform(*TABLE, (count, 2))
+
+
+def shaken(places: np.ndarray, times: int) -> np.ndarray:
+    """Each place so many times, as exactly as a hand puts an object back."""
+    return np.repeat(places, times, axis=0) + np.random.default_rng(1).uniform(-0.003, 0.003, (times * len(places), 2))
+
+
+@pytest.mark.parametrize("times", [2, 10])
+def test_five_places_ten_times_are_told_by_their_name(times):
+    corners = np.array([[0, -0.2], [0, 0.2], [0.4, -0.2], [0.4, 0.2], [0.2, 0]])
+    assert p.in_words(p.repetitions(shaken(corners, times))) == f"5 places x {times}"
+    assert p.effective_number(shaken(corners, times), CURVE) == pytest.approx(5, abs=0.1)
+    assert p.in_words(p.repetitions(corners)) == "5 places, each once"
+    assert p.in_words(np.array([2, 1, 1])) == "3 places, of which 1 repeated, up to 2 times"
+
+
+def test_a_chain_of_places_is_not_one_place():
+    chain = np.stack([np.arange(0, 0.1, 0.008), np.zeros(13)], 1)
+    assert len(p.repetitions(chain)) >= 5
+
+
+def test_the_next_place_is_in_the_largest_hole_and_fills_it():
+    places = spread(200)
+    places = places[np.hypot(*(places - (0.3, -0.1)).T) > 0.09]  # a hole of 9 cm
+    new, holes = p.next_places(places, TABLE, 5)
+    assert np.hypot(*(new[0] - (0.3, -0.1))) < 0.03 and holes[0] > 0.08
+    assert (np.diff(holes) <= 1e-12).all() and ((new >= TABLE[0]) & (new <= TABLE[1])).all()
+    for number in range(1, 5):
+        assert p.nearest(new[[number]], np.vstack([places, new[:number]])) == pytest.approx(holes[number])
+
+
+def test_more_places_are_expected_to_do_better_and_repeated_ones_are_not():
+    rates = [p.expected_success(spread(count), TABLE, CURVE) for count in (5, 20, 80, 2000)]
+    assert rates == sorted(rates) and rates[-1] == pytest.approx(0.9, abs=0.02)
+    five = spread(5)
+    assert p.expected_success(shaken(five, 10), TABLE, CURVE) == pytest.approx(rates[0], abs=0.03)
+    assert p.expected_success(five, TABLE, Curve(0.9, (0.08,), 4.0)) > rates[0]
+
+
+def test_what_is_expected_is_the_share_of_the_table_within_reach():
+    steep = Curve(1.0, (0.05,), 200.0)  # success to 5 cm, none beyond
+    assert p.expected_success(np.array([[0.2, 0.0]]), TABLE, steep) == pytest.approx(np.pi * 0.05**2 / 0.16, rel=0.1)
+
+
+def piper(folder):
+    """A PIPER's set: its joints tell where it grasped."""
+    from move.realworld import write_sample
+    return write_sample(folder, episodes=4)
+
+
+def test_a_robots_grasps_are_where_its_hand_was_when_the_gripper_closed(tmp_path):
+    folder = piper(tmp_path / "sample")
+    demos = open_dataset(folder, revision=None, episodes=None)
+    table = grasp_table(demos.episodes)
+    assert len(table) == len(demos.episodes) == len(grasps(str(folder)).places) and why_no_grasps(demos.episodes) == ""
+    from move.realworld.workspace import path_table
+    paths = path_table(demos.episodes)
+    first = paths[paths.grasped].groupby(["part", "index"])[["x_m", "y_m"]].first().sort_index()
+    assert table.set_index(["part", "index"])[["x_m", "y_m"]].sort_index().to_numpy() == pytest.approx(first.to_numpy())
+
+
+def test_an_arm_that_tells_only_its_joints_has_no_places_and_is_refused(tmp_path):
+    w.lerobot_v2(tmp_path / "arm", robot_type="so100")
+    with pytest.raises(BadInput, match="no place of a grasp: .* demonstrations: no pose of the hand"):
+        grasps(str(tmp_path / "arm"))
+
+
+def coverage(monkeypatch, capsys, *arguments: str) -> tuple[int, str, str]:
+    monkeypatch.setattr("sys.argv", ["move", "coverage", *arguments])
+    with pytest.raises(SystemExit) as ended:
+        main()
+    return ended.value.code, *capsys.readouterr()
+
+
+def test_a_data_set_collected_here_is_covered_by_its_own_grasp_points(tmp_path, monkeypatch, capsys):
+    from move.learn import dataset
+    from move.sim import collect as collecting
+    wanted = collecting.Collection(task="pick-place", method="static", timesteps=400)
+    made, record = collecting.collect(wanted, 3)
+    dataset.save(made, tmp_path / "data.zarr", collecting.record_attributes(wanted, 3, record))
+    found = grasps(str(tmp_path / "data.zarr"))
+    assert found.places == pytest.approx(np.array(record.grasp_points))
+    code, out, _ = coverage(monkeypatch, capsys, str(tmp_path / "data.zarr"), "--json", "--next", "3",
+                            "--within", "-20,50,20,80", "--out", str(tmp_path / "map.png"))
+    said = json.loads(out)
+    assert code == 0 and said["grasps"] == len(record.grasp_points) and len(said["next"]) == 3
+    table = ((-0.2, 0.5), (0.2, 0.8))
+    assert said["next"][0]["nearest before it (cm)"] == pytest.approx(
+        100 * p.next_places(found.places, table, 1)[1][0], abs=0.06)
+    assert (tmp_path / "map.png").stat().st_size > 5000 and (tmp_path / "map.pdf").exists()
+    code, out, _ = coverage(monkeypatch, capsys, str(tmp_path / "data.zarr"), "--json", "--radius", "1000")
+    assert json.loads(out)["success over this part, of that at a place seen (%)"] == "100"
+
+
+@pytest.mark.parametrize(("arguments", "problem"), [
+    (("nowhere",), "data 'nowhere' is no folder"),
+    (("nowhere", "--within", "1,2,3"), "within: '1,2,3' given"),
+    (("nowhere", "--out", "map.jpg"), "out: 'map.jpg' given; allowed is a file that ends in .png"),
+])
+def test_a_bad_request_is_one_line(monkeypatch, capsys, arguments, problem):
+    code, _, err = coverage(monkeypatch, capsys, *arguments)
+    assert code == 2 and problem in err and len(err.strip().splitlines()) == 1
