@@ -14,6 +14,7 @@ from pathlib import Path
 import browser
 import nbformat
 import pytest
+from playwright.sync_api import TimeoutError
 
 from move import paths
 from move.figures.page.browser import INTERRUPTED
@@ -73,9 +74,18 @@ def opened(page, lab: str, name: str) -> None:
 
 
 def run_all(page) -> None:
-    page.wait_for_function(IDLE, timeout=LONG)
-    page.get_by_role("menuitem", name="Run", exact=True).click()
-    page.get_by_role("menuitem", name="Run All Cells", exact=True).click()
+    """Choose Run All Cells, again where the first choice came before the page was ready for it."""
+    for _ in range(5):
+        page.wait_for_function(IDLE, timeout=LONG)
+        page.evaluate(f"{OPEN}.sessionContext.ready.then(() => true)")
+        page.get_by_role("menuitem", name="Run", exact=True).click()
+        page.get_by_role("menuitem", name="Run All Cells", exact=True).click()
+        try:
+            page.wait_for_function(f"{OPEN}.sessionContext.session.kernel.status === 'busy'", timeout=LONG / 10)
+            return
+        except TimeoutError:
+            continue
+    raise AssertionError("no cell began to run")
 
 
 def change(page, name: str, **parameters: object) -> None:
