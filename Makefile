@@ -1,6 +1,6 @@
 # MOVE, reproduced. `make` alone prints the targets; `make figures` and `make test` do all the set-up themselves.
 PROFILE ?= laptop
-PYTHON ?= python3
+PYTHON ?= python3 python3.11 python3.12 python3.13
 BIN := .venv/bin
 READY := .venv/ready
 LEROBOT := build/lerobot-venv
@@ -23,14 +23,15 @@ help:  ## print this list
 	@echo "one figure or table by its name:"
 	@echo $(SHORT) $(NOTEBOOKS) | fold -sw 96 | sed 's/^/  /'
 
-setup: $(READY)  ## build .venv from environment.lock
+setup: $(READY)  ## build .venv from environment.lock, with Python 3.11, 3.12 or 3.13
 
 $(READY): environment.lock environment-cuda.lock pyproject.toml tools/install.py
-	@if $(PYTHON) -c 'import sys; sys.exit(sys.version_info[:2] != (3, 11))' 2>/dev/null; \
-	then $(PYTHON) -m venv --clear .venv; \
-	elif command -v uv >/dev/null; then rm -rf .venv && uv venv --quiet --seed --python 3.11 .venv; \
-	else echo "make: Python 3.11 is needed; name one with make PYTHON=..., or install uv, which fetches it" >&2; exit 2; \
-	fi
+	@for python in $(PYTHON); do \
+	  $$python -c 'import sys; sys.exit(not (3, 11) <= sys.version_info < (3, 14))' 2>/dev/null || continue; \
+	  exec $$python -m venv --clear .venv; \
+	done; \
+	if command -v uv >/dev/null; then rm -rf .venv && exec uv venv --quiet --seed --python 3.11 .venv; fi; \
+	echo "make: Python 3.11, 3.12 or 3.13 is needed; name one with make PYTHON=..., or install uv, which fetches it" >&2; exit 2
 	$(BIN)/python tools/install.py
 	@$(BIN)/python -c 'from move.machine import gl_problem as g; p = g(); p and print(p)'
 	@touch $@
@@ -58,8 +59,8 @@ test: $(READY)  ## run every test
 test-slow: $(READY)  ## run the tests that take minutes: the paper's own batch
 	$(BIN)/python -m pytest -q -m slow
 
-$(LEROBOT)/ready:
-	$(PYTHON) -m venv --clear $(LEROBOT)
+$(LEROBOT)/ready: | $(READY)
+	$(BIN)/python -m venv --clear $(LEROBOT)
 	$(LEROBOT)/bin/pip install --quiet 'lerobot>=0.4,<0.5'
 	@touch $@
 
@@ -103,7 +104,7 @@ doctor: $(READY)  ## what this machine has and lacks
 	$(BIN)/move doctor
 
 lock:  ## write the lock files anew from pyproject.toml (needs uv)
-	$(PYTHON) tools/lock.py
+	$(firstword $(PYTHON)) tools/lock.py
 
 clean:  ## remove build/ (not .venv, not results)
 	rm -rf build

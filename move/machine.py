@@ -8,6 +8,7 @@ from __future__ import annotations
 import ctypes
 import ctypes.util
 import importlib
+import importlib.util
 import os
 import platform
 import resource
@@ -22,7 +23,8 @@ from functools import cache
 THREAD_VARIABLES = ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS", "LP_NUM_THREADS")
 NO_GL = ("disable", "disabled", "off", "false", "0")  # values of MUJOCO_GL that turn images off in MuJoCo
 SCREEN_GL = ("glfw", "glx", "enable", "enabled", "on", "true", "1", "")  # those that need a screen, on Linux
-GL_LIBRARIES = {"egl": "EGL", "osmesa": "OSMesa"}
+GL_LIBRARIES = {"egl": ("EGL", "OpenGL GLESv2"), "osmesa": ("OSMesa",)}  # what PyOpenGL opens; one of two does
+DEBIAN = "apt-get install libegl1 libopengl0 (Debian)"
 REFUSED_GL = "MOVE_REFUSED_GL"  # why images are off that were asked for, to this process and those it starts
 M_TRIM_THRESHOLD, M_MMAP_MAX = -1, -4  # of glibc's malloc.h
 PR_SET_PDEATHSIG = 1  # of Linux's prctl.h
@@ -40,8 +42,7 @@ def choose_gl() -> None:
     if problem := _refused_gl():
         os.environ |= {REFUSED_GL: problem, "MUJOCO_GL": "disable"}
     if sys.platform == "linux" and "MUJOCO_GL" not in os.environ:
-        library = next((name for name in ("EGL", "OSMesa") if ctypes.util.find_library(name)), "disable")
-        os.environ["MUJOCO_GL"] = library.lower()
+        os.environ["MUJOCO_GL"] = next((name for name in GL_LIBRARIES if not _missing(name)), "disable")
         load_gl()
     if _chosen_gl() == "egl":
         os.environ.setdefault("PYOPENGL_PLATFORM", "egl")
@@ -70,8 +71,10 @@ def gl_problem() -> str | None:
     """One line that says why images cannot be rendered and which package mends it; None when they can."""
     if sys.platform != "linux" or _chosen_gl() not in NO_GL:
         return None
-    return os.environ.get(REFUSED_GL) or ("no GL library found: apt-get install libegl1 (Debian) or use macOS's own; "
-                                          "keypoint work goes on without")
+    if refused := os.environ.get(REFUSED_GL):
+        return refused
+    found = "no GL library found" if len(_missing("egl")) != 1 else f"GL library lib{_missing('egl')[0]} not found"
+    return f"{found}: {DEBIAN} or use macOS's own; keypoint work goes on without"
 
 
 def _refused_gl() -> str:
@@ -81,14 +84,21 @@ def _refused_gl() -> str:
         return ""
     if chosen not in (*GL_LIBRARIES, *SCREEN_GL):
         return f"MUJOCO_GL: {chosen[:60]!r} given; allowed are egl, osmesa, glfw and disable"
-    if chosen in GL_LIBRARIES and not ctypes.util.find_library(GL_LIBRARIES[chosen]):
-        return f"MUJOCO_GL: {chosen} given, whose library is not installed; allowed is another, or none"
+    if missing := _missing(chosen):
+        return (f"MUJOCO_GL: {chosen} given, whose library is not installed (lib{missing[0]}); "
+                "allowed is another, or none")
     if "MUJOCO_GL" in os.environ and chosen in SCREEN_GL and not os.environ.keys() & {"DISPLAY", "WAYLAND_DISPLAY"}:
         return f"MUJOCO_GL: {chosen!r} given, which needs a screen; allowed without one are egl and osmesa"
-    there = chosen or next((name for name, library in GL_LIBRARIES.items() if ctypes.util.find_library(library)), "")
+    there = chosen or next((name for name in GL_LIBRARIES if not _missing(name)), "")
     if platform and there in GL_LIBRARIES and platform != there:
         return f"PYOPENGL_PLATFORM: {platform[:60]!r} given; allowed is {there}, or none"
     return ""
+
+
+def _missing(gl: str) -> list[str]:
+    """The libraries that a way to render lacks on this machine; those of a screen are not looked for."""
+    wanted = [names.split() for names in GL_LIBRARIES.get(gl, ())]
+    return [names[0] for names in wanted if not any(map(ctypes.util.find_library, names))]
 
 
 def _chosen_gl() -> str:
@@ -97,6 +107,12 @@ def _chosen_gl() -> str:
 
 
 @cache
+def before_drawing() -> None:
+    """Import triton, which CUDA builds of torch bring: once Mesa has loaded its own LLVM that import would crash."""
+    if importlib.util.find_spec("triton"):
+        importlib.import_module("triton")
+
+
 def gl_renderer() -> str:
     """The GL renderer's own name, for provenance ("none" without GL); llvmpipe means rendered in software."""
     if gl_problem():
@@ -104,6 +120,7 @@ def gl_renderer() -> str:
     from mujoco import gl_context
     from OpenGL import GL
 
+    before_drawing()
     context = gl_context.GLContext(16, 16)
     context.make_current()
     try:

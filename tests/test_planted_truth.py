@@ -638,6 +638,19 @@ def test_over_tasks_a_prediction_knows_nothing_of_its_own_task(world):
             assert own.without.to_numpy() == pytest.approx(others, abs=ROUNDED) and own.predicted.between(0, 1).all()
 
 
+def test_what_was_predicted_of_placements_stands_beside_what_was_planted_there(world):
+    text, rates = here(world, "fifty_demonstrations"), world.table("fifty_demonstrations")
+    told = world.table("fifty_demonstrations_predicted")
+    assert set(told.task) == {"push"} and len(told) == 14
+    for row in told.itertuples():
+        (own,) = rates[(rates.task == row.task) & (rates.equal == row.equal) & (rates.arm == row.arm)
+                       & (rates.demonstrations == row.demonstrations)].itertuples()
+        assert (row.value, row.low, row.high) == pytest.approx((own.value, own.low, own.high), abs=ROUNDED)
+    ranked = told[told.equal == "demonstrations"][["predicted", "value"]].rank()
+    found = np.corrcoef(ranked.T)[0, 1]
+    assert f"order was {'' if found >= 0.8 else 'not '}as predicted" in text and f"correlation {found:.2f}" in text
+
+
 def test_scores_are_ranked_against_the_rates_of_their_own_cells(world):
     cells, ranks = pd.DataFrame(rows_of(world, "radius_cells")), world.table("radius_ranks")
     assert len(ranks) == 2 * len(cells.groupby(["setting", "observation"]))
@@ -648,10 +661,11 @@ def test_scores_are_ranked_against_the_rates_of_their_own_cells(world):
         assert row.correlation == pytest.approx(np.corrcoef(ranked.T)[0, 1], abs=0.02) and row.cells == len(own)
         assert row.low <= row.correlation <= row.high
     run = world.found("radius", hand="one place", method="static", observation="rgb")[0]
-    seen = visited(run.spec.collection, False)[["object_x", "object_y"]].drop_duplicates()
-    (own,) = [row for row in rows_of(world, "radius_cells") if row["setting"] == "hand in one place"
-              and row["method"] == "static" and row["where"] == run.labels["experiment"]]
-    assert own["spread"] == pytest.approx(np.sqrt(seen.var(ddof=0).sum()), abs=0.02)
+    seen = visited(run.spec.collection, False).drop(columns="phase").drop_duplicates()[["object_x", "object_y"]]
+    figure = {"sparse": "figure 1", "dense": "figure 3", "circle": "figure 5"}[run.spec.collection.protocol]
+    (own,) = cells[(cells.setting == "hand in one place") & (cells.method == "static")
+                   & (cells["where"] == figure)].to_dict("records")
+    assert own["spread"] == pytest.approx(np.sqrt(seen.var(ddof=0).sum()), abs=ROUNDED)
 
 
 def test_the_rules_verdict_is_what_its_numbers_say_and_is_told(world):

@@ -49,16 +49,20 @@ def test_gl_that_cannot_be_had_costs_images_alone(tmp_path, variables, reason):
     assert re.search(reason, done.stderr)
 
 
+EGL = ["EGL", "OpenGL"]
+
+
 @pytest.mark.parametrize("variables, libraries, reason", [
-    ({"MUJOCO_GL": "egl"}, ["EGL"], ""), ({"MUJOCO_GL": " EGL "}, ["EGL"], ""), ({}, ["EGL"], ""), ({}, [], ""),
+    ({"MUJOCO_GL": "egl"}, EGL, ""), ({"MUJOCO_GL": " EGL "}, EGL, ""), ({}, EGL, ""), ({}, [], ""),
     ({"MUJOCO_GL": "disable"}, [], ""), ({"MUJOCO_GL": "osmesa"}, ["OSMesa"], ""),
-    ({"MUJOCO_GL": "glfw", "DISPLAY": ":0"}, [], ""), ({"MUJOCO_GL": "egl", "PYOPENGL_PLATFORM": "egl"}, ["EGL"], ""),
+    ({"MUJOCO_GL": "glfw", "DISPLAY": ":0"}, [], ""), ({"MUJOCO_GL": "egl", "PYOPENGL_PLATFORM": "egl"}, EGL, ""),
     ({"PYOPENGL_PLATFORM": "osmesa"}, ["OSMesa"], ""),
-    ({"MUJOCO_GL": "osmesa"}, ["EGL"], "MUJOCO_GL: osmesa given, whose library"),
+    ({"MUJOCO_GL": "osmesa"}, EGL, "MUJOCO_GL: osmesa given, whose library"),
     ({"MUJOCO_GL": "egl"}, [], "MUJOCO_GL: egl given, whose library"),
-    ({"MUJOCO_GL": "glfw"}, ["EGL"], "needs a screen"), ({"MUJOCO_GL": "glx"}, ["EGL"], "needs a screen"),
-    ({"MUJOCO_GL": "opengl"}, ["EGL"], "'opengl' given; allowed are"),
-    ({"PYOPENGL_PLATFORM": "osmesa"}, ["EGL", "OSMesa"], "PYOPENGL_PLATFORM: 'osmesa' given; allowed is egl"),
+    ({"MUJOCO_GL": "egl"}, ["EGL"], "not installed (libOpenGL)"), ({}, ["EGL"], ""),
+    ({"MUJOCO_GL": "glfw"}, EGL, "needs a screen"), ({"MUJOCO_GL": "glx"}, EGL, "needs a screen"),
+    ({"MUJOCO_GL": "opengl"}, EGL, "'opengl' given; allowed are"),
+    ({"PYOPENGL_PLATFORM": "osmesa"}, [*EGL, "OSMesa"], "PYOPENGL_PLATFORM: 'osmesa' given; allowed is egl"),
     ({"MUJOCO_GL": "osmesa", "PYOPENGL_PLATFORM": "egl"}, ["OSMesa"], "allowed is osmesa"),
 ])
 def test_what_gl_can_be_had(monkeypatch, variables, libraries, reason):
@@ -70,6 +74,23 @@ def test_what_gl_can_be_had(monkeypatch, variables, libraries, reason):
     monkeypatch.setattr(sys, "platform", "linux")
     found = machine._refused_gl()
     assert (reason in found and "\n" not in found) if reason else found == ""
+
+
+@pytest.mark.parametrize("libraries, chosen, line", [
+    (EGL, "egl", None), (["OSMesa"], "osmesa", None), ([*EGL, "OSMesa"], "egl", None),
+    (["EGL", "GLESv2"], "egl", None), (["EGL", "OSMesa"], "osmesa", None),
+    (["EGL"], "disable", "GL library libOpenGL not found"),
+    (["OpenGL"], "disable", "GL library libEGL not found"), ([], "disable", "no GL library found"),
+])
+def test_egl_is_chosen_where_both_its_libraries_are(monkeypatch, libraries, chosen, line):
+    monkeypatch.setattr(machine, "load_gl", lambda: None)
+    monkeypatch.setattr("ctypes.util.find_library", lambda name: name if name in libraries else None)
+    monkeypatch.setattr(sys, "platform", "linux")
+    monkeypatch.setattr(machine.os, "environ", {})
+    machine.choose_gl()
+    assert machine.os.environ["MUJOCO_GL"] == chosen
+    found = machine.gl_problem()
+    assert found is None if line is None else found.startswith(f"{line}: apt-get install libegl1 libopengl0 (Debian)")
 
 
 @pytest.mark.parametrize("text", ["abc", "", "-1", "nan", "1:40"])

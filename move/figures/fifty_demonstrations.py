@@ -17,6 +17,7 @@ from move.figures.page.parameters import Count, Counts, Observation, Repeats, Ta
 from move.figures.plots.axes import errors, log_ticks, success_axis
 from move.figures.plots.style import COLOURS, PAGE_WIDTH, titles
 from move.figures.tables import VARIANTS, rate_table, variant_rows
+from move.paths import ROOT
 from move.sim.placement import Placement
 from move.sim.tasks import TASKS
 from move.statistics.cells import successes, training_noise
@@ -49,6 +50,9 @@ ASKED = {COPIED: (SPREAD_OUT,), "MOVE, 5 places": (COPIED, SPREAD_OUT), "MOVE, r
 
 Committed before any of these runs: the answer is the first factor, 5 places against random places of their own. It is
 decided above or below 1 where its 95 % interval is."""
+
+PREDICTED = ROOT / "results" / "predicted.csv"  # of Push, by tools/predict_order.py, committed before these runs
+SAME_ORDER = 0.8  # Spearman's correlation of the arms' predicted and measured rates from which the order is predicted
 
 
 def runs(
@@ -85,15 +89,25 @@ def _arm(arm: str, equal: str, count: int) -> dict[str, Any]:
 def tables(data: Data, *, observation: str) -> dict[str, pd.DataFrame]:
     """Rates, each arm against five places, and how many times the episodes an arm needs for another's success."""
     noise = data.noise(observation, grid=True)
+    rates = rate_table(data.episodes, BY, noise)
     return {
-        "": rate_table(data.episodes, BY, noise),
+        "": rates,
         "differences": pd.DataFrame(
             [row for key, rows in data.episodes.groupby(BY[:3], sort=False)
              for row in variant_rows(rows, "arm", [(arm, COPIED) for arm in ARMS if arm != COPIED], noise,
                                      named=dict(zip(BY[:3], key, strict=True)))],
             columns=[*BY[:3], "arm", *VARIANTS]),
         "factors": factors_table(data.episodes, noise),
+        "predicted": predicted_table(rates),
     }
+
+
+def predicted_table(rates: pd.DataFrame) -> pd.DataFrame:
+    """What the radius said of each arm on the other task before it was tried, and what came of it."""
+    columns = [*BY[:4], "predicted", "value", "low", "high"]
+    if rates.empty or not PREDICTED.exists():
+        return pd.DataFrame(columns=columns)
+    return pd.read_csv(PREDICTED).merge(rates, on=BY[:4])[columns]
 
 
 def factors_table(episodes: pd.DataFrame, known: TrainingNoise = UNKNOWN) -> pd.DataFrame:
@@ -170,7 +184,18 @@ def answer(tables: dict[str, pd.DataFrame], data: Data, *, task: str) -> str:
     each = "; ".join(f"{row.arm} needs {row.text} times the {row.episodes} episodes to match {row.other}"
                      for row in shown.itertuples())
     return (f"**The paper** compares at equal timesteps alone. **Here**, with the object alone random: "
-            f"{each or 'not computed yet'}. **How sure:** 95 % intervals with training noise. {data.sample_size}")
+            f"{each or 'not computed yet'}. {_order(tables['predicted'])}"
+            f"**How sure:** 95 % intervals with training noise. {data.sample_size}")
+
+
+def _order(table: pd.DataFrame) -> str:
+    """Whether the arms came out in the order that was predicted, where all of them were tried."""
+    table = table[table.equal == "demonstrations"]
+    if len(table) < len(ARMS):
+        return ""
+    found = float(table.predicted.corr(table.value, method="spearman"))
+    return (f"On {TASKS[table.task.iloc[0]].title} their order was {'' if found >= SAME_ORDER else 'not '}as predicted "
+            f"from distance (Spearman's correlation {found:.2f}). ")
 
 
 WORDS = Words(
@@ -186,5 +211,6 @@ WORDS = Words(
         "differences": f"Each placement against five places. {DIFFERENCES}",
         "factors": "How many times the other's episodes an arm needs for the other's success at the middle number of "
                    "episodes, with 95 % intervals.",
+        "predicted": "Success on the other task as predicted from distance before any of these runs, and as it came.",
     },
 )

@@ -17,7 +17,7 @@ import numpy as np
 
 from move.choices import Drawing
 from move.errors import BadInput
-from move.machine import gl_problem
+from move.machine import before_drawing, gl_problem
 from move.sim.scene import camera
 
 ObservationKind = Literal["keypoints", "rgb"]
@@ -92,6 +92,7 @@ class Renderer:
         model.vis.quality.shadowsize = SHADOW_SIZE
         model.vis.global_.offwidth = model.vis.global_.offheight = size
         model.vis.global_.fovy = math.degrees(camera.FIELD_OF_VIEW)
+        before_drawing()
         self._renderer = mujoco.Renderer(model, size, size)
         atexit.register(self._renderer.close)  # before the interpreter takes GL away
         for flag in ("SHADOW", "REFLECTION", "SKYBOX"):

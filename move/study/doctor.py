@@ -26,11 +26,11 @@ def _check(name: str, outcome: str, found: str, mend: str = "") -> Check:
 
 def _gl() -> Check:
     if problem := gl_problem():
-        return _check("GL", "slow", problem, "apt-get install libegl1")
+        return _check("GL", "slow", problem, "apt-get install libegl1 libopengl0")
     try:
         renderer = gl_renderer()
     except Exception as error:  # whatever a GL driver raises: it cannot draw
-        return _check("GL", "slow", f"cannot draw: {error}", "apt-get install libegl1 libgl1-mesa-dri")
+        return _check("GL", "slow", f"cannot draw: {error}", "apt-get install libegl1 libopengl0 libgl1-mesa-dri")
     if "llvmpipe" in renderer:
         return _check("GL", "fine", f"{renderer}: draws in software, 4-5 ms an image, which is enough")
     return _check("GL", "fine", renderer)
