@@ -108,6 +108,7 @@ COMMANDS = [
     (("evaluate", "--agent", "nothing", "--starts", "grid", "--episodes", "5"), "episodes: given with starts 'grid'"),
     (("evaluate", "--agent", "nothing", "--starts", "grid", "--factors", "all"), "factors: given with starts 'grid'"),
     (("run", "--profile", "moon"), "profile: 'moon' given; allowed are"),
+    (("evaluate", "--agent", "expert", "--profile", "moon"), "profile: 'moon' given; allowed are"),
     (("run", "--profile", "../profiles/laptop"), "profile: '../profiles/laptop' given"),
     (("run", "fig99"), "figure: 'fig99' given"),
     (("run", "table4"), "needs no runs; allowed are fig1_sparse"),
@@ -299,12 +300,12 @@ def test_scalars_are_those_of_yaml_1_2(text, value):
 
 
 def test_many_keys_are_read_in_no_time():
-    started = time.monotonic()
+    started = time.process_time()
     text = "".join(f"k{number}: 1\n" for number in range(30_000))
     assert len(yaml_text.read(text, "here")) == 30_000
     with pytest.raises(BadInput, match="'k29999' stands twice"):
         yaml_text.read(f"{text}k29999: 2", "here")
-    assert time.monotonic() - started < 60
+    assert time.process_time() - started < 60
 
 
 def test_every_parameter_of_every_figure_is_checked():

@@ -254,12 +254,13 @@ def evaluate(
     from move.study.provenance import provenance
     from move.validation import build
 
+    chosen = load_profile(profile)
     one_thread()
     plan = build(evaluating.Evaluation, starts=starts, **given)
     who: agents.Agent
     seen, name = KEYPOINTS, run or agent
     if run is not None:
-        spec, policy = policies.of_run(run, load_profile(profile))
+        spec, policy = policies.of_run(run, chosen)
         if task not in (None, spec.task):
             raise BadInput(f"task: {task!r} given for a policy of {spec.task}; allowed is that task")
         task, who, seen = spec.task, agents.PolicyAgent(policy, spec.seed), spec.collection.observed

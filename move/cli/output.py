@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -21,7 +22,7 @@ Report = Callable[..., None]
 def show(content: dict[str, Any] | list[dict[str, Any]], as_json: bool, title: str) -> None:
     """Print a record, or a list of records with the same keys, as JSON or as a table."""
     if as_json:
-        return typer.echo(json.dumps(content, default=str))
+        return typer.echo(json.dumps(_without_nan(content), default=str))
     table = Table(title=title, title_justify="left")
     if isinstance(content, dict):
         content = [{"what": key, "value": value} for key, value in content.items()]
@@ -30,6 +31,15 @@ def show(content: dict[str, Any] | list[dict[str, Any]], as_json: bool, title: s
     for record in content:
         table.add_row(*(Text(_shown(value)) for value in record.values()))
     Console(width=None if sys.stdout.isatty() else 140).print(table)
+
+
+def _without_nan(value: Any) -> Any:
+    """The same with null for what is no finite number, for which JSON has no word."""
+    if isinstance(value, dict):
+        return {key: _without_nan(part) for key, part in value.items()}
+    if isinstance(value, list | tuple):
+        return [_without_nan(part) for part in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def _shown(value: Any) -> str:
