@@ -64,7 +64,7 @@ def write_math(writer: Any, node: nodes.Element) -> None:
 REPAIRS = (
     (re.compile(r'role="heading"(?! aria-level)'), 'role="heading" aria-level="2"'),  # the captions of the contents
     (re.compile(r"<pre(?![^>]*tabindex)"), '<pre tabindex="0"'),  # a box that scrolls is reached by keys
-    (re.compile(r'<div class="(cell_output|table-wrapper|wide)(?=[ "])'), r'<div tabindex="0" class="\1'),
+    (re.compile(r'<div class="(cell_output|table-wrapper|wide|formula)(?=[ "])'), r'<div tabindex="0" class="\1'),
     (re.compile(r"<th\b[^>]*>(?:\s|&nbsp;|<p></p>)*</th>"), "<td></td>"),  # a heading of nothing
     (re.compile(r'<aside class="sidebar-drawer"'), '<aside aria-label="the site" class="sidebar-drawer"'),
     (re.compile(r'<aside class="toc-drawer'), '<aside aria-label="this page" class="toc-drawer'),

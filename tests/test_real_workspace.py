@@ -12,6 +12,7 @@ import pandas as pd
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from matplotlib.colors import rgb_to_hsv
 
 from move.figures.page.make import make
 from move.figures.plots import real as real_plots
@@ -128,6 +129,15 @@ def test_shades_of_orange(colour):
 @pytest.mark.parametrize("colour", [(255, 255, 0), (128, 128, 128), (210, 170, 140), (60, 30, 5), (0, 0, 0)])
 def test_skin_yellow_grey_and_dark_are_not_orange(colour):
     assert tracking.orange_mask(square(0, 0, colour)).sum() == 0
+
+
+def test_orange_is_what_hue_saturation_and_value_say():
+    """Whatever the colour, on a grid through all of them."""
+    levels = np.arange(0, 256, 5, dtype=np.uint8)
+    colours = np.stack(np.meshgrid(levels, levels, levels), -1).reshape(1, -1, 3)
+    hue, saturation, value = np.moveaxis(rgb_to_hsv(colours / np.float32(255)), -1, 0)
+    defined = (saturation >= 0.55) & (value >= 0.35) & (12 <= 360 * hue) & (360 * hue <= 45)
+    assert np.array_equal(tracking.orange_mask(colours), defined) and 0.01 < defined.mean() < 0.2
 
 
 def test_object_speed_looks_before_the_grasp_only():

@@ -1,5 +1,6 @@
 """The site: its parts from shipped files, and, where it has been built, every page, link and picture of it."""
 
+import io
 import multiprocessing
 import os
 import re
@@ -348,17 +349,17 @@ def test_every_page_fits_its_width_without_an_error(width):
 @pytest.mark.browser
 @pytest.mark.parametrize("dark", [False, True])
 def test_axe_finds_nothing_wrong(dark):
-    """The rules that axe-core calls violations, on a page of each kind."""
+    """The rules that axe-core calls violations, on every page."""
     axe = pytest.importorskip("axe_playwright_python", reason="pip install axe-playwright-python brings axe-core")
     rules = (Path(axe.__file__).parent / "axe.min.js").read_text()
     with browser.page(390) as page:
         page.emulate_media(color_scheme="dark" if dark else "light")
-        for name in ("index", "atlas", "figures/table2_main", "figures/claims", "figures/fig2_overview",
-                     "tutorial/1_a_scene_that_moves", "docs/symbols", "KNOWN_DEVIATIONS", "api/move.sim", "search"):
-            page.goto((make_site.SITE / f"{name}.html").as_uri())
+        for path in PAGES:
+            page.goto(path.as_uri())
             page.evaluate(rules)
-            found = page.evaluate("axe.run().then(all => all.violations.map(one => [one.id, one.nodes[0].html]))")
-            assert not found, (name, found)
+            found = page.evaluate("axe.run(document, {resultTypes: ['violations'], selectors: false})"
+                                  ".then(all => all.violations.map(one => [one.id, one.nodes[0].html]))")
+            assert not found, (path, found)
 
 
 @built
@@ -372,6 +373,8 @@ def test_the_atlas_plays_both_films_of_a_chosen_place_by_mouse_and_by_keys(width
         assert place.get_attribute("aria-pressed") == "true"
         page.wait_for_function("Number(document.getElementById('atlas-step').value) > 20")
         page.locator("#atlas-play").click()  # pauses
+        films = [Image.open(io.BytesIO(one.screenshot())) for one in page.locator("#atlas canvas").all()]
+        assert len(films) == 2 and all(make_site.is_photograph(film) for film in films), "static's and MOVE's"
         before = page.evaluate("document.getElementById('atlas-step').value")
         page.locator("#atlas-step").fill("0")
         place.focus()

@@ -25,11 +25,11 @@ README = paths.ROOT / "README.md"
 def table() -> str:
     """The results in Markdown, one number a cell: static and MOVE, and below them what compares another pair."""
     main = [
-        *(_difference(f"Figure 1, nine grasp points, hand {hand}", "fig1_sparse", "difference", hand)
+        *(_difference(f"Figure 1, hand {hand}", "fig1_sparse", "difference", hand)
           for hand in HANDS),
-        *(_difference(f"Figure 3, grasp points everywhere, hand {hand}", "fig3_dense", "difference", hand)
+        *(_difference(f"Figure 3, hand {hand}", "fig3_dense", "difference", hand)
           for hand in HANDS),
-        *(_difference(f"Figure 5, {where} the circle, hand {hand}", "fig5_circle", "differences", hand, where)
+        *(_difference(f"Figure 5 {where}, hand {hand}", "fig5_circle", "differences", hand, where)
           for where in ("inside", "outside") for hand in HANDS),
         _tasks("static"),
     ]
@@ -62,9 +62,8 @@ def _seeds(rates: object) -> int:
 
 
 def _head(one: str, other: str) -> str:
-    """The two lines that begin a table; its differences are `other` minus `one`."""
-    columns = [f"{one} here", f"{other} here", "difference (points)", "95 % interval", "seeds", f"{one}, paper",
-               f"{other}, paper", "difference, paper", "verdict on the difference"]
+    """The two lines that begin a table; a gain is `other` minus `one`. Short words: ten columns, as wide as a page."""
+    columns = [one, other, "gain", "95 %", "seeds", f"{one}, paper", f"{other}, paper", "gain, paper", "verdict"]
     return f"| what | {' | '.join(columns)} |\n|---|{'---:|' * (len(columns) - 1)}---|"
 
 

@@ -33,9 +33,14 @@ def orange_mask(frames: np.ndarray) -> np.ndarray:
     Returns:
         (..., height, width) bool: hue 12 to 45 degrees, saturation at least 0.55, value at least 0.35.
     """
-    hue, saturation, value = np.moveaxis(rgb_to_hsv(frames / np.float32(255)), -1, 0)
+    red, green, blue = np.moveaxis(frames, -1, 0)
+    mask = (red >= green) & (green >= blue) & (blue <= red // 2)  # all that can be; a hue is slow to compute
+    if not mask.any():
+        return mask
+    hue, saturation, value = rgb_to_hsv(frames[mask] / np.float32(255)).T
     low, high = HUE_DEG
-    return (saturation >= LEAST_SATURATION) & (value >= LEAST_VALUE) & (360 * hue >= low) & (360 * hue <= high)
+    mask[mask] = (saturation >= LEAST_SATURATION) & (value >= LEAST_VALUE) & (360 * hue >= low) & (360 * hue <= high)
+    return mask
 
 
 def track_orange(frames: np.ndarray) -> np.ndarray:
@@ -47,7 +52,7 @@ def track_orange(frames: np.ndarray) -> np.ndarray:
     Returns:
         (T, 2) float64, row and column in pixels; NaN where hidden.
     """
-    mask = np.stack([orange_mask(frame) for frame in frames])  # one at a time: the hue takes twenty times the memory
+    mask = np.stack([orange_mask(frame) for frame in frames])  # one at a time: this takes several times the memory
     count = mask.sum(axis=(1, 2)).astype(float)
     rows, columns = np.arange(mask.shape[1]), np.arange(mask.shape[2])
     total = np.column_stack([(mask.sum(axis=2) * rows).sum(axis=1), (mask.sum(axis=1) * columns).sum(axis=1)])

@@ -8,7 +8,9 @@ import ipywidgets
 import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
+from IPython.display import display
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from scipy import stats
 
 from move.figures.plots.style import COLOURS
@@ -84,7 +86,7 @@ def draw_beta(ax: Axes) -> None:
     ax.set(xlabel="share of the largest speed", ylabel="density")
 
 
-def draw(task: Task, seen: pd.DataFrame) -> None:
+def draw(task: Task, seen: pd.DataFrame) -> Figure:
     """Paths of object, yaw and camera, with the share of cells that each visits."""
     figure, axes = plt.subplots(1, 3, figsize=(7.2, 2.4))
     visited, box = shares(seen, task), task.object_range
@@ -99,23 +101,31 @@ def draw(task: Task, seen: pd.DataFrame) -> None:
     axes[1].set(xlabel="step", ylabel="yaw (degrees)",
                 title=f"yaw: {visited['yaw']:.0%}" if task.has_yaw else "this task has no yaw")
     axes[2].set(xlabel="step", ylabel="camera (degrees)", title=f"camera: {visited['camera']:.0%}")
-    plt.show()
+    plt.close(figure)  # whoever asked for it shows it
+    return figure
 
 
-def sliders(task: str, demonstrations: int, seed: int) -> ipywidgets.interactive:
-    """Sliders for v_max, omega_max and u_max; below them the paths, and how much they show."""
+def sliders(task: str, demonstrations: int, seed: int) -> None:
+    """Show sliders for v_max, omega_max and u_max; below them the paths, and how much they show.
+
+    The picture is a display of its own and no output widget's: so an executed copy holds it, and the messages that such
+    a widget asks of whoever executes the notebook cannot make it miss a cell's reply.
+    """
     one = get_task(task)
-
-    def show(v_max: float, omega_max: float, u_max: float) -> None:
-        draw(one, traced(one, v_max, math.radians(omega_max), math.radians(u_max), demonstrations, seed))
 
     def slider(label: str, value: float, most: float, step: float, form: str) -> ipywidgets.FloatSlider:
         return ipywidgets.FloatSlider(value=value, min=0.0, max=most, step=step, description=label, readout_format=form,
                                       continuous_update=False, style={"description_width": "150px"},
                                       layout={"width": "480px"})
 
-    return ipywidgets.interactive(
-        show, v_max=slider("v_max (m/step)", 0.03, 0.1, 0.005, ".3f"),
-        omega_max=slider("omega_max (deg/step)", 1.0, 5.0, 0.25, ".2f"),
-        u_max=slider("u_max (deg/step)", 1.0, 5.0, 0.25, ".2f"),
-    )
+    def drawn() -> Figure:
+        speed, turn, camera = v_max.value, math.radians(omega_max.value), math.radians(u_max.value)
+        return draw(one, traced(one, speed, turn, camera, demonstrations, seed))
+
+    v_max = slider("v_max (m/step)", 0.03, 0.1, 0.005, ".3f")
+    omega_max = slider("omega_max (deg/step)", 1.0, 5.0, 0.25, ".2f")
+    u_max = slider("u_max (deg/step)", 1.0, 5.0, 0.25, ".2f")
+    display(ipywidgets.VBox([v_max, omega_max, u_max]))
+    picture = display(drawn(), display_id=True)
+    for one_slider in (v_max, omega_max, u_max):
+        one_slider.observe(lambda _: picture.update(drawn()), names="value")
