@@ -14,7 +14,7 @@ from move import paths
 from move.figures.page.captions import Words
 from move.figures.page.data import Data
 from move.figures.plots import real_figures
-from move.figures.plots.style import NAMES
+from move.figures.plots.style import COLOURS, NAMES
 from move.figures.tables import as_markdown
 
 if TYPE_CHECKING:
@@ -93,7 +93,8 @@ def _grasps(data: Data) -> list[tuple[str, pd.DataFrame]]:
     """The places of each method's grasps, where there are some."""
     from move.realworld.grasps import grasp_table
 
-    return list(grasp_table(data.seen.demos.episodes).groupby("method"))
+    table = grasp_table(data.seen.demos.episodes)
+    return [(method, table[table.method == method]) for method in COLOURS if method in set(table.method)]
 
 
 def _proposed(data: Data) -> dict[str, tuple[np.ndarray, np.ndarray]]:
@@ -141,7 +142,7 @@ WORDS = Words(
         "fig8_grasp_places": Words(
             title="Figure 8, continued. Where demonstrations grasp, and where the next ones should",
             shown=(
-                "Dots: where the hand was at each grasp, from above in the frame of the arm's base or of the data set. "
+                "Where the hand was at each grasp, from above in the frame of the arm's base or of the data set. "
                 f"Numbers: where the next {PROPOSED} demonstrations should put the object, in order, each in the "
                 "middle of the largest hole that those before it leave, within the part of the table that all grasps "
                 "span (`move coverage` takes another)."),

@@ -23,6 +23,7 @@ from matplotlib.ticker import FuncFormatter
 
 from move.figures.plots.style import COLOURS, LEAST_POINTS, NAMES
 from move.paper import REAL_RADIUS_M
+from move.sim.methods import METHODS
 
 GOLDEN = 0.6180339887498949  # multiples of it spread evenly between 0 and 1
 
@@ -130,14 +131,15 @@ def paths(table: pd.DataFrame, ax: Axes, *, colour: str = COLOURS["move"]) -> No
             ax.plot(before["y_m"].iloc[-1], before["x_m"].iloc[-1], marker="o", markersize=3.5, color=colour, zorder=5)
 
 
-def grasp_map(places: np.ndarray, proposed: np.ndarray, ax: Axes, *, colour: str = COLOURS["move"]) -> None:
-    """Draw the places of grasps from above as dots, and those proposed next as numbers, in centimetres.
+def grasp_map(places: np.ndarray, proposed: np.ndarray, ax: Axes, *, method: str = "") -> None:
+    """Draw the places of grasps from above in the method's mark, and those proposed next as numbers, in centimetres.
 
     Args:
         places: (N, 2) m.
         proposed: (K, 2) m, in order.
     """
-    ax.plot(*(100 * places.T), ls="none", marker="o", ms=4, color=colour, alpha=0.6, mec="none")
+    marker, colour = (METHODS[method].marker, COLOURS[method]) if method in METHODS else ("o", "#444444")
+    ax.plot(*(100 * places.T), ls="none", marker=marker, ms=4, color=colour, alpha=0.6, mec="none")
     for number, (x, y) in enumerate(100 * proposed, 1):
         ax.text(x, y, str(number), ha="center", va="center", zorder=5,
                 bbox={"boxstyle": "circle,pad=0.15", "fc": "white", "ec": "black", "lw": 0.6})

@@ -85,7 +85,7 @@ def grasp_figure(places: Mapping[str, np.ndarray], proposed: Mapping[str, np.nda
     width = PAGE_WIDTH if len(places) > 1 else style.COLUMN_WIDTH
     figure, axes = plt.subplots(1, len(places), figsize=(width, 3.2), squeeze=False)
     for (method, points), ax in zip(places.items(), axes[0], strict=True):
-        real_plots.grasp_map(points, proposed[method], ax, colour=COLOURS.get(method, "#444444"))
+        real_plots.grasp_map(points, proposed[method], ax, method=method)
     style.titles(list(axes[0]), [f"{NAMES.get(method, '')}: {len(points)} grasps".removeprefix(": ")
                                  for method, points in places.items()])
     if simulated:
