@@ -21,9 +21,8 @@ from matplotlib.colors import LinearSegmentedColormap, PowerNorm
 from matplotlib.patches import Patch, Rectangle, Wedge
 from matplotlib.ticker import FuncFormatter
 
-from move.figures.plots.style import COLOURS, LEAST_POINTS, NAMES
+from move.figures.plots.style import COLOURS, LEAST_POINTS, MARKERS, NAMES
 from move.paper import REAL_RADIUS_M
-from move.sim.methods import METHODS
 
 GOLDEN = 0.6180339887498949  # multiples of it spread evenly between 0 and 1
 
@@ -138,8 +137,8 @@ def grasp_map(places: np.ndarray, proposed: np.ndarray, ax: Axes, *, method: str
         places: (N, 2) m.
         proposed: (K, 2) m, in order.
     """
-    marker, colour = (METHODS[method].marker, COLOURS[method]) if method in METHODS else ("o", "#444444")
-    ax.plot(*(100 * places.T), ls="none", marker=marker, ms=4, color=colour, alpha=0.6, mec="none")
+    ax.plot(*(100 * places.T), ls="none", marker=MARKERS.get(method, "o"), ms=4, alpha=0.6, mec="none",
+            color=COLOURS.get(method, "#444444"))
     for number, (x, y) in enumerate(100 * proposed, 1):
         ax.text(x, y, str(number), ha="center", va="center", zorder=5,
                 bbox={"boxstyle": "circle,pad=0.15", "fc": "white", "ec": "black", "lw": 0.6})
