@@ -168,7 +168,7 @@ def _efficiencies(factors: pd.DataFrame, tasks: tuple[str, ...]) -> Figure:
 def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
     """The median task's factor, and on how many pairs of budgets that are said to be equal MOVE is not level."""
     return (
-        "**The paper:** MOVE ahead at every budget, up to 2 to 5 times as efficient on certain tasks. **Here:** "
+        "**The paper:** MOVE always ahead; data efficiency up to 2-5x on certain tasks. **Here:** "
         f"{efficiency_text(tables['efficiency'])} {equal_text(tables['equal'])}. **How sure:** {data.sample_size}")
 
 

@@ -137,7 +137,7 @@ def tables(data: Data) -> dict[str, pd.DataFrame]:
                       "limit": one.below, "answer": one.answer, "verdict": verdict} for one in asked]
         radii += [{**named, **row} for row in _radii(found)]
         cells.append(_cells(data, found).assign(**named))
-        ranks += [{**named, **row} for row in _ranks(cells[-1], "where" if not found.on_grids else "cell")]
+        ranks += [{**named, **row} for row in _ranks(cells[-1], found.on_grids)]
         equal = next(one for one in asked if one.what == distance.EQUAL)
         for compared, (value, low, high) in (("all places", distance.lead(found.tries)),
                                              ("equal distance", (equal.value, equal.low, equal.high))):
@@ -185,23 +185,23 @@ def _cells(data: Data, found: Tried) -> pd.DataFrame:
     specs = {result.spec.hash: result.spec for result in data.results if isinstance(result.spec, PolicyRun)}
     spread = [np.mean([np.sqrt(before_grasp(specs[run])["object"].var(axis=0).sum())
                        for run in np.unique(found.tries.run[found.tries.cell == name])]) for name in names]
-    return rates.assign(cell=names, spread=spread, predicted=[held.predicted[place[name]] for name in names],
+    return rates.assign(spread=spread, predicted=[held.predicted[place[name]] for name in names],
                         without=[held.without[place[name]] for name in names],
                         distance=[np.median(each) for each in own], beyond=[(each > 1).mean() for each in own])
 
 
-def _ranks(cells: pd.DataFrame, left_out: str) -> list[dict[str, Any]]:
+def _ranks(cells: pd.DataFrame, on_grids: bool) -> list[dict[str, Any]]:
     """How well two scores of the data put the cells in the order of their rates: Spearman's correlation.
 
     One is the rate predicted from the other cells or tasks alone, the other how widely the object's places are spread.
-    Intervals leave out each value of the column `left_out` in turn.
+    Intervals leave out each cell in turn, or over tasks each task.
     """
-    rows = []
+    rows, left_out = [], cells.index.to_numpy() if on_grids else cells["where"].to_numpy()
     for score, column in (("distance to what was seen", "predicted"), ("spread of places", "spread")):
         def correlation(mask: np.ndarray, column: str = column) -> float:
             return float(cells.loc[mask, column].corr(cells.loc[mask, "value"], method="spearman"))
 
-        value, low, high = map(float, distance.jackknife(cells[left_out].to_numpy(), correlation))
+        value, low, high = map(float, distance.jackknife(left_out, correlation))
         rows.append({"score": score, "correlation": value, "low": max(low, -1.0), "high": min(high, 1.0),
                      "cells": len(cells)})
     return rows

@@ -75,8 +75,8 @@ def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
     base = sorted(set(table["rate"]))[1]
     return (
         f"**The paper:** {counts} successes. **Here**, with no robot, {len(apart)} of {len(compared)} pairs "
-        f"differ: {each or 'none'}. **How sure:** Barnard's exact tests, none corrected; by Fisher's, more cautious, a "
-        f"rise under {100 * trials.minimum_detectable_effect(base):.0f} points from {base:.0%} mostly goes unseen.")
+        f"differ: {each or 'none'}. **How sure:** Barnard's exact tests, uncorrected; by Fisher's a rise "
+        f"under {100 * trials.minimum_detectable_effect(base):.0f} points from {base:.0%} mostly goes unseen.")
 
 
 WORDS = Words(

@@ -78,6 +78,10 @@ def _moves(value: Any) -> str:
     return str(value).replace(" + ", ", ")
 
 
+def _centimetres(value: Any) -> str:
+    return f"{100 * value:.1f}"
+
+
 def _named(**names: str) -> Cell:
     return lambda value: names.get(str(value), str(value))
 
@@ -89,7 +93,7 @@ COLUMNS: dict[str, tuple[str, Cell]] = {
     "level": ("From goal-blind to expert (%)", _percent), "seeds": ("Each seed (%)", _seeds),
     "episodes": ("Episodes", _count), "trainings": ("Training noise", str),
     "difference": ("Difference (points)", _points), "p": ("p", _probability), "holm": ("p, Holm", _probability),
-    "items": ("Items", _count), "tasks": ("Tasks", _count), "where": ("Where", str),
+    "items": ("Items", _count), "tasks": ("Tasks", _count), "where": ("Where", _task),
     "factors": ("Random", _named(all="object, target, hand, camera", **{"object+target": "object, target, hand"})),
     "moves": ("What moves", _moves), "part": ("Whose speed", _named(nothing="static")), "speed": ("Speed", _plain),
     "share": ("MOVE's share (%)", _percent), "length": ("Gradient steps / the recipe's", _plain),
@@ -120,7 +124,7 @@ COLUMNS: dict[str, tuple[str, Cell]] = {
     "first": ("First", str), "second": ("Second", str), "fisher": ("p, Fisher", _probability),
     "barnard": ("p, Barnard", _probability), "base": ("Base (%)", _percent), "trials": ("Trials", _count),
     "predicted": ("Predicted (%)", _percent), "without": ("Without distances (%)", _percent),
-    "beyond": ("Beyond the radius (%)", _percent),
+    "beyond": ("Beyond the radius (%)", _percent), "spread": ("Spread of places (cm)", _centimetres),
     "detectable_rise": ("Found rise (points)", _points), "rate_needed": ("Rate needed (%)", _percent),
 }
 """A column's heading and how its cells are written; another column is shown as it is."""
