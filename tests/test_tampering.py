@@ -15,7 +15,7 @@ from move.sim.collect import Collection
 from move.study import execute, plan, results, run, stored, verify
 from move.study.labels import LabelledRun
 from move.study.profiles import Profile, load_profile
-from move.study.spec import PolicyRun
+from move.study.spec import ControlRun, PolicyRun
 
 TINY = recipes.keypoints(gradient_steps=3, warmup_steps=1, batch_size=8)
 
@@ -198,6 +198,15 @@ def test_a_collection_may_end_before_its_budget_only_with_the_demonstrations_ask
             path.read_text(), path, "")
         with pytest.raises(ValueError, match=reason):
             stored.from_bytes(text.encode())
+
+
+@pytest.mark.parametrize("tried", [
+    Evaluation(episodes=2), Evaluation(starts="moving", episodes=2), Evaluation(starts="listed"),
+    Evaluation(starts="grid", grid_side=2, points="sparse"), Evaluation(starts="grid", grid_side=2, points="circle"),
+], ids=lambda tried: f"{tried.starts} {tried.points}")
+def test_every_way_to_choose_configurations_is_read_as_it_was_stored(tmp_path, tried):
+    made = run.run(ControlRun(task="pick-place", seed=0, agent="nothing", evaluation=tried), tmp_path)
+    assert results.read(results.store(made, tmp_path)).rows == made.rows
 
 
 def test_verify_has_a_row_for_an_unusable_file(honest, folder, monkeypatch):

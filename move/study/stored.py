@@ -22,6 +22,7 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, NonNegativeFloat
 from move.learn.evaluation import Evaluation, starts
 from move.sim.grasp_points import CIRCLE_POINTS, SPARSE_SIDE
 from move.sim.tasks import get_task
+from move.sim.tasks.listed import COUNT
 from move.sim.tasks.task import EPISODE_STEPS, SUCCESS_STEPS
 from move.study.spec import OF_A_POLICY, AnyRun, RunSpec
 
@@ -234,6 +235,8 @@ def expected_groups(spec: RunSpec, demonstrations: int) -> list[str]:
         return ["attempt"] * tried.episodes
     if tried.starts == "grid":
         return ["grid"] * tried.grid_side**2 + ["point"] * POINTS[tried.points]
+    if tried.starts == "listed":
+        return ["listed"] * COUNT
     if tried.starts in OF_A_POLICY:
         return [tried.starts] * min(tried.episodes, demonstrations)
     return [tried.starts] * tried.episodes
