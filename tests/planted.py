@@ -188,7 +188,7 @@ def hand(spec: RunSpec) -> str:
 @functools.cache
 def _configurations(task: str, evaluation: Any) -> tuple[list[str], list[dict]]:
     """Groups and configurations as an evaluation lists them; of the policy's own only how many."""
-    if evaluation.starts in ("grid", "random", "moving"):
+    if evaluation.starts in ("grid", "random", "moving", "listed"):
         listed = starts(get_task(task), evaluation)
         return [start.group for start in listed], [start.configuration.columns() for start in listed]
     return [evaluation.starts] * evaluation.episodes, [{}] * evaluation.episodes
