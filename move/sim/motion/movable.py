@@ -17,33 +17,60 @@ class Ranges(Protocol):
     """Where the parts of a scene may go and for how long; positions in metres, angles in radians. See `Task`."""
 
     @property
-    def object_range(self) -> Box: ...
+    def object_range(self) -> Box:
+        """Where the object may be, metres."""
+
     @property
-    def target_range(self) -> Box: ...
+    def target_range(self) -> Box:
+        """Where the target may be, metres."""
+
     @property
-    def yaw_range(self) -> tuple[float, float]: ...
+    def yaw_range(self) -> tuple[float, float]:
+        """Which way the object may be turned, radians."""
+
     @property
-    def camera_range(self) -> tuple[float, float]: ...
+    def camera_range(self) -> tuple[float, float]:
+        """At which angles the camera may stand, radians."""
+
     @property
-    def yaw_speed_scale(self) -> float: ...
+    def yaw_speed_scale(self) -> float:
+        """Factor on the largest yaw speed of the motions."""
+
     @property
-    def clearance(self) -> float: ...
+    def clearance(self) -> float:
+        """The least distance of object and target in the plane, metres."""
+
     @property
-    def object_steps(self) -> int: ...
+    def object_steps(self) -> int:
+        """How many steps the object moves, unless it is grasped before."""
+
     @property
-    def target_steps(self) -> int: ...
+    def target_steps(self) -> int:
+        """Until which step the target moves, from the grasp on."""
+
     @property
-    def target_dimensions(self) -> int: ...
+    def target_dimensions(self) -> int:
+        """3, or 2 for a target that moves in the table's plane."""
+
     @property
-    def placed_point(self) -> str: ...
+    def placed_point(self) -> str:
+        """The point of the held object that has to go to the target; named where there is a freeze distance."""
+
     @property
-    def target_point(self) -> str: ...
+    def target_point(self) -> str:
+        """The point where it has to go."""
+
     @property
-    def freeze_distance(self) -> float: ...
+    def freeze_distance(self) -> float:
+        """The target stands still while the placed point is nearer in the plane, metres."""
+
     @property
-    def has_yaw(self) -> bool: ...
+    def has_yaw(self) -> bool:
+        """Whether the object may be turned."""
+
     @property
-    def has_target(self) -> bool: ...
+    def has_target(self) -> bool:
+        """Whether there is a target."""
 
     def allows(self, configuration: SpatialConfiguration, distance: float) -> bool:
         """Whether object and target are `distance` metres apart in the plane, and everything within reach."""
