@@ -8,8 +8,11 @@ import real_writers as w
 
 from move.cli import main
 from move.errors import BadInput
-from move.realworld import open_dataset
+from move.learn import dataset
+from move.realworld import open_dataset, write_sample
 from move.realworld.grasps import grasp_table, grasps, why_no_grasps
+from move.realworld.workspace import path_table
+from move.sim import collect as collecting
 from move.statistics import places as p
 from move.statistics.distance import Curve
 
@@ -63,18 +66,11 @@ def test_what_is_expected_is_the_share_of_the_table_within_reach():
     assert p.expected_success(np.array([[0.2, 0.0]]), TABLE, steep) == pytest.approx(np.pi * 0.05**2 / 0.16, rel=0.1)
 
 
-def piper(folder):
-    """A PIPER's set: its joints tell where it grasped."""
-    from move.realworld import write_sample
-    return write_sample(folder, episodes=4)
-
-
 def test_a_robots_grasps_are_where_its_hand_was_when_the_gripper_closed(tmp_path):
-    folder = piper(tmp_path / "sample")
+    folder = write_sample(tmp_path / "sample", episodes=4)  # of a PIPER, whose joints tell where it grasped
     demos = open_dataset(folder, revision=None, episodes=None)
     table = grasp_table(demos.episodes)
     assert len(table) == len(demos.episodes) == len(grasps(str(folder)).places) and why_no_grasps(demos.episodes) == ""
-    from move.realworld.workspace import path_table
     paths = path_table(demos.episodes)
     first = paths[paths.grasped].groupby(["part", "index"])[["x_m", "y_m"]].first().sort_index()
     assert table.set_index(["part", "index"])[["x_m", "y_m"]].sort_index().to_numpy() == pytest.approx(first.to_numpy())
@@ -94,8 +90,6 @@ def coverage(monkeypatch, capsys, *arguments: str) -> tuple[int, str, str]:
 
 
 def test_a_data_set_collected_here_is_covered_by_its_own_grasp_points(tmp_path, monkeypatch, capsys):
-    from move.learn import dataset
-    from move.sim import collect as collecting
     wanted = collecting.Collection(task="pick-place", method="static", timesteps=400)
     made, record = collecting.collect(wanted, 3)
     dataset.save(made, tmp_path / "data.zarr", collecting.record_attributes(wanted, 3, record))

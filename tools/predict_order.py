@@ -8,30 +8,23 @@ paper_figures), mean over the three repetitions that are to be trained. Nothing 
 
 from __future__ import annotations
 
-import numpy as np
 import pandas as pd
 
-from move.figures import fifty_demonstrations
+from move.figures import fifty_demonstrations, radius
 from move.files import written_aside
 from move.paths import ROOT
 from move.study.profiles import load_profile
 from move.study.seen import nearest_place
 
-HAND = "hand within 3 cm"  # as in these runs
-
 
 def main() -> None:
     """Predict and write."""
-    profile = load_profile("laptop")
-    (curve,) = pd.read_csv(profile.figures / "radius_radii.csv").query(
-        "setting == @HAND and observation == 'rgb'").itertuples()
-    rows = []
-    for run in fifty_demonstrations.runs(profile, demonstrations=()):
-        apart = nearest_place(run.spec)
-        left = curve.top / (1 + (apart / curve.radius) ** curve.steepness)
-        rows.append({**{name: run.labels[name] for name in ("task", "equal", "demonstrations", "arm")},
-                     "predicted": float(np.mean(left))})
-    table = pd.DataFrame(rows).groupby(["task", "equal", "demonstrations", "arm"], sort=False, as_index=False).mean()
+    curve, *_ = radius.measured(radius.NEAR)  # hands start within 3 cm in these runs
+    arm = fifty_demonstrations.BY[:4]
+    rows = [{**{name: run.labels[name] for name in arm},
+             "predicted": float(curve.top * curve.left(nearest_place(run.spec)).mean())}
+            for run in fifty_demonstrations.runs(load_profile("laptop"), demonstrations=())]
+    table = pd.DataFrame(rows).groupby(arm, sort=False, as_index=False).mean()
     with written_aside(ROOT / "results/predicted.csv") as new:
         table.to_csv(new, index=False, float_format="%.4f")
 

@@ -38,11 +38,11 @@ def coverage(
         if out.suffix != ".png":
             raise BadInput(f"out: {str(out)!r} given; allowed is a file that ends in .png")
         refuse_unwritable(out)
-    from move.figures.radius import measured
+    from move.figures.radius import AT_HOME, measured
     from move.realworld.grasps import grasps
     from move.statistics import places as statistics
 
-    found, curves = grasps(data, units_file=units_file), measured()
+    found, curves = grasps(data, units_file=units_file), measured(AT_HOME)
     known = f"{_interval([100 * curve.radii[0] for curve in curves], 1)}, measured in simulation"
     if radius is not None:
         curves, known = [replace(curves[0], radii=(radius / 100,))], f"{radius:g}, given"

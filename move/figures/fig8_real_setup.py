@@ -27,11 +27,15 @@ Gigabytes = Annotated[float, Field(gt=0, le=10**5, allow_inf_nan=False)]
 
 
 class Seen(NamedTuple):
-    """The demonstrations, the cells that the end effector visited, its ways, and the places of the object."""
+    """The demonstrations, the cells that the end effector visited, its ways, where it grasped, and where objects were.
+
+    `grasps` are the places of each method that has some, (N, 2) m.
+    """
 
     demos: RobotDataSet
     cells: pd.DataFrame
     steps: pd.DataFrame
+    grasps: dict[str, np.ndarray]
     places: pd.DataFrame
 
 
@@ -49,13 +53,17 @@ def seen(
         units_file: YAML that overrides the detected units; empty: detect.
     """
     from move.realworld import open_dataset, tracking, workspace, write_sample  # what reads data is slow to import
+    from move.realworld.grasps import grasp_table
 
     demos = open_dataset(
         dataset or write_sample(paths.REALWORLD / "sample", episodes=episodes), revision=revision or None,
         episodes=episodes, size_cap_gb=size_cap_gb, units_file=Path(units_file) if units_file else None, log=print)
     camera = next((name for episode in demos.episodes for name in episode.cameras), "")
     steps = workspace.path_table(demos.episodes)
-    return Seen(demos, workspace.coverage_by_method(workspace.equal_budget(steps)), steps,
+    grasps = grasp_table(demos.episodes)
+    places = {method: grasps.loc[grasps.method == method, ["x_m", "y_m"]].to_numpy() for method in COLOURS
+              if method in set(grasps.method)}
+    return Seen(demos, workspace.coverage_by_method(workspace.equal_budget(steps)), steps, places,
                 tracking.object_places(demos.episodes, camera))
 
 
@@ -74,37 +82,20 @@ def tables(data: Data) -> dict[str, pd.DataFrame]:
 def draw(tables: dict[str, pd.DataFrame], data: Data) -> dict[str, Figure]:
     """For each method its ways, the cells visited, and frames; and where the object was seen, if it was."""
     from move.realworld import tracking, workspace
+    from move.statistics.places import next_places, spanned
 
-    demos, cells, steps, places = data.seen
+    demos, cells, steps, grasps, places = data.seen
     figures = {"fig8_real_setup": real_figures.setup_figure(
         cells, steps, workspace.frame_strips(demos.episodes), simulated=demos.simulated,
         joints=workspace.joint_table(demos.episodes), lacking=workspace.why_no_positions(demos.episodes))}
-    if proposed := _proposed(data):
-        places_of = {method: rows[["x_m", "y_m"]].to_numpy() for method, rows in _grasps(data)}
-        figures["fig8_grasp_places"] = real_figures.grasp_figure(
-            places_of, {method: new for method, (new, _) in proposed.items()}, simulated=demos.simulated)
+    table = spanned(np.vstack(list(grasps.values()))) if grasps else None
+    if table:
+        proposed = {method: next_places(points, table, PROPOSED)[0] for method, points in grasps.items()}
+        figures["fig8_grasp_places"] = real_figures.grasp_figure(grasps, proposed, simulated=demos.simulated)
     if len(places):
         speeds = tracking.object_speeds(places, metres_per_pixel=demos.about.get("metres_per_pixel"))
         figures["fig8_object_places"] = real_figures.object_figure(places, speeds, simulated=demos.simulated)
     return figures
-
-
-def _grasps(data: Data) -> list[tuple[str, pd.DataFrame]]:
-    """The places of each method's grasps, where there are some."""
-    from move.realworld.grasps import grasp_table
-
-    table = grasp_table(data.seen.demos.episodes)
-    return [(method, table[table.method == method]) for method in COLOURS if method in set(table.method)]
-
-
-def _proposed(data: Data) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-    """Where each method's next demonstrations should be, in the part of the table that all grasps span."""
-    from move.statistics.places import next_places, spanned
-
-    grasps = _grasps(data)
-    table = spanned(np.vstack([rows[["x_m", "y_m"]].to_numpy() for _, rows in grasps])) if grasps else None
-    return {method: next_places(rows[["x_m", "y_m"]].to_numpy(), table, PROPOSED)
-            for method, rows in grasps} if table else {}
 
 
 def answer(tables: dict[str, pd.DataFrame], data: Data) -> dict[str, str]:
@@ -112,16 +103,15 @@ def answer(tables: dict[str, pd.DataFrame], data: Data) -> dict[str, str]:
     from move.realworld import tracking, workspace
     from move.statistics.places import in_words, repetitions
 
-    demos, cells, _, places = data.seen
+    demos, cells, _, grasps, places = data.seen
     visited = (cells.visits > 0).groupby(cells.method, sort=False).mean()
     ways = "; ".join(f"{NAMES[method]}: the end effector passed through {share:.0%} of the table's cells"
                      for method, share in visited.items())
     objects = "; ".join(
         f"{NAMES[method]}: in {len(rows)} frames the orange was seen in {tracking.seen_share(rows):.0%} of the image's "
         "cells" for method, rows in workspace.equal_budget(places).groupby("method"))
-    grasps = [f"{NAMES[method]}: {in_words(repetitions(rows[['x_m', 'y_m']].to_numpy()))}"
-              for method, rows in _grasps(data)]
-    return {"fig8_grasp_places": "; ".join(grasps) or "Nothing to compare",
+    grasped = "; ".join(f"{NAMES[method]}: {in_words(repetitions(points))}" for method, points in grasps.items())
+    return {"fig8_grasp_places": grasped or "Nothing to compare",
             "fig8_real_setup": "; ".join(filter(None, (ways, as_markdown(workspace.why_no_positions(demos.episodes))))),
             "fig8_object_places": objects or "Nothing to compare"}
 

@@ -40,7 +40,8 @@ SIMULATES = True
 FIGURES = {"figure 1": fig1_sparse, "figure 3": fig3_dense, "figure 5": fig5_circle}
 TEN = "ten tasks"
 INCOMPLETE = "not decided yet: runs are missing"
-AT_HOME = "hand in one place"
+AT_HOME = "hand in one place"  # as of a robot that begins each demonstration at home
+NEAR = "hand within 3 cm"
 DECIDES = "hand anywhere"  # of figures 1, 3 and 5: as in the paper
 ASKED = "window-open"  # of which the paper says most and where least came out
 SEEN = {"rgb": "pixels", "keypoints": "keypoints"}
@@ -198,13 +199,14 @@ def _ranks(cells: pd.DataFrame, on_grids: bool) -> list[dict[str, Any]]:
     """
     rows, left_out = [], cells.index.to_numpy() if on_grids else cells["where"].to_numpy()
     for score, column in (("distance to what was seen", "predicted"), ("spread of places", "spread")):
-        def correlation(mask: np.ndarray, column: str = column) -> float:
-            return float(cells.loc[mask, column].corr(cells.loc[mask, "value"], method="spearman"))
-
-        value, low, high = map(float, distance.jackknife(left_out, correlation))
+        value, low, high = map(float, distance.jackknife(left_out, partial(_correlation, cells, column)))
         rows.append({"score": score, "correlation": value, "low": max(low, -1.0), "high": min(high, 1.0),
                      "cells": len(cells)})
     return rows
+
+
+def _correlation(cells: pd.DataFrame, column: str, mask: np.ndarray) -> float:
+    return float(cells.loc[mask, column].corr(cells.loc[mask, "value"], method="spearman"))
 
 
 def _bins(found: Tried | None) -> pd.DataFrame:
@@ -282,20 +284,21 @@ def _asked_text(tables: dict[str, pd.DataFrame]) -> str:
     return (f"On {TASKS[ASKED].title} distance predicts a gain of {points(expected)}; MOVE gains {points(gain)}.")
 
 
-def measured() -> list[Curve]:
-    """Success against distance from pixels, hands in one place, as shipped: the curve, then with its radius' ends.
+def measured(setting: str) -> list[Curve]:
+    """Success against distance from pixels in one of the settings of figures 1, 3 and 5, as shipped.
 
-    A robot that begins each demonstration at home has its hand in one place.
+    Returns:
+        The curve, then the curves with the ends of its radius' interval.
 
     Raises:
         BadInput: the shipped table of radii is not there, or has no such row.
     """
     path = load_profile("laptop").figures / "radius_radii.csv"
     try:
-        rows = pd.read_csv(path).query("setting == @AT_HOME and observation == 'rgb'")
+        rows = pd.read_csv(path).query("setting == @setting and observation == 'rgb'")
         (row,) = rows.itertuples()
     except (OSError, ValueError) as error:
-        raise BadInput(f"{path} has no row of {AT_HOME!r}; make radius writes it") from error
+        raise BadInput(f"{path} has no row of {setting!r}; make radius writes it") from error
     return [Curve(row.top, (radius,), row.steepness) for radius in (row.radius, row.low, row.high)]
 
 

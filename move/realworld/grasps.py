@@ -56,30 +56,27 @@ def grasp_table(episodes: Sequence[RobotEpisode]) -> pd.DataFrame:
     """Where the hand was at each grasp that has a place: method, part, index, x_m, y_m, in the arm's own frame."""
     rows = [{"method": episode.method, "part": episode.part, "index": episode.index,
              "x_m": float(place[0]), "y_m": float(place[1])}
-            for episode in episodes if (place := _place(episode)) is not None]
+            for episode in episodes if not isinstance(place := _place(episode), str)]
     return pd.DataFrame(rows, columns=["method", "part", "index", "x_m", "y_m"])
-
-
-def _hand(episode: RobotEpisode) -> np.ndarray | None:
-    """Where the hand was, (T, 3) m: by PIPER's kinematics, or for another arm as it was recorded."""
-    known = positions(episode)
-    return known if known is not None or episode.end_effector is None else episode.end_effector[:, :3]
-
-
-def _place(episode: RobotEpisode) -> np.ndarray | None:
-    hand = _hand(episode)
-    step = None if hand is None or episode.gripper is None else grasp_step(episode.gripper)
-    return hand[step, :2] if hand is not None and step is not None and np.isfinite(hand[step, :2]).all() else None
 
 
 def why_no_grasps(episodes: Sequence[RobotEpisode]) -> str:
     """Why some demonstrations have no place of a grasp, in words; "" where all have one."""
-    def reason(episode: RobotEpisode) -> str:
-        if _place(episode) is not None:
-            return ""
-        if _hand(episode) is None:
-            return "no pose of the hand in known units, and no joints of a PIPER"
-        return "no gripper" if episode.gripper is None else "no grasp"
-
-    counts = Counter(filter(None, map(reason, episodes)))
+    counts = Counter(place for place in map(_place, episodes) if isinstance(place, str))
     return "; ".join(f"{count} of {len(episodes)} demonstrations: {why}" for why, count in counts.items())
+
+
+def _place(episode: RobotEpisode) -> np.ndarray | str:
+    """Where the hand was when the gripper closed, (2,) m, or in words why nobody knows.
+
+    By PIPER's kinematics, or for another arm as it was recorded.
+    """
+    hand = positions(episode)
+    if hand is None and episode.end_effector is not None:
+        hand = episode.end_effector[:, :3]
+    if hand is None:
+        return "no pose of the hand in known units, and no joints of a PIPER"
+    if episode.gripper is None:
+        return "no gripper"
+    step = grasp_step(episode.gripper)
+    return hand[step, :2] if step is not None and np.isfinite(hand[step, :2]).all() else "no grasp"

@@ -104,6 +104,15 @@ class Curve:
         """
         return tries.ceiling * self.top / (1 + self.scaled(tries.apart) ** self.steepness)
 
+    def left(self, apart: np.ndarray) -> np.ndarray:
+        """Share of `top` that is left at distances to the nearest place seen, of any shape; of a curve of one factor.
+
+        >>> Curve(0.8, (0.06,), 3.0).left(np.array([0.0, 0.06]))
+        array([1. , 0.5])
+        """
+        (radius,) = self.radii
+        return 1 / (1 + (apart / radius) ** self.steepness)
+
 
 def fit(tries: Tries) -> Curve:
     """The curve of maximum likelihood.

@@ -58,11 +58,7 @@ def effective_number(places: np.ndarray, curve: Curve) -> float:
     (2.0, 1.0)
     """
     apart = np.linalg.norm(places[:, None] - places[None], axis=2)
-    return float(1 / _alike(apart, curve).mean())
-
-
-def _alike(apart: np.ndarray, curve: Curve) -> np.ndarray:
-    return 1 / (1 + (apart / curve.radii[0]) ** curve.steepness)
+    return float(1 / curve.left(apart).mean())
 
 
 def spanned(places: np.ndarray) -> Rectangle | None:
@@ -111,4 +107,4 @@ def expected_success(places: np.ndarray, table: Rectangle, curve: Curve) -> floa
     >>> round(expected_success(np.array([[0.5, 0.5]]), ((0.0, 0.0), (1.0, 1.0)), Curve(0.9, (100.0,), 3.0)), 3)
     0.9
     """
-    return float(curve.top * _alike(nearest(ticks(table), places), curve).mean())
+    return float(curve.top * curve.left(nearest(ticks(table), places)).mean())

@@ -56,7 +56,7 @@ class Evaluated:
     """One policy's or control's episodes, without those at its own training points, and what computed them."""
 
     name: str
-    task: Annotated[str, Field(pattern=r"^[\w-]{1,100}$")]
+    task: str
     rows: list[_Row]
     provenance: dict[str, Any]
 

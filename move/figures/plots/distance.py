@@ -13,6 +13,7 @@ from matplotlib.ticker import FuncFormatter, MultipleLocator
 from move.figures.plots.axes import GREY, points_axis, success_axis
 from move.figures.plots.style import COLOURS, NAMES
 from move.sim.methods import METHODS
+from move.statistics.distance import Curve
 
 
 def by_distance(table: pd.DataFrame, ax: Axes) -> None:
@@ -31,7 +32,7 @@ def by_distance(table: pd.DataFrame, ax: Axes) -> None:
 def fitted(top: float, radius: float, steepness: float, ends: tuple[float, float], ax: Axes) -> None:
     """The curve of success against distance, and the radius (centimetres) at which half of its top is left."""
     far = np.linspace(0, ax.get_xlim()[1], 200)
-    ax.plot(far, top / (1 + (far / radius) ** steepness), color="black", lw=1.1, zorder=1)
+    ax.plot(far, top * Curve(top, (radius,), steepness).left(far), color="black", lw=1.1, zorder=1)
     if radius < far[-1]:
         ax.axvspan(*ends, color="#999999", alpha=0.25, lw=0)
         ax.axvline(radius, color="#444444", lw=0.8, ls="--")
