@@ -1,11 +1,14 @@
 """A notebook's cells, one after the other in the tests' own process: another kernel would tell nothing new."""
 
 import ast
+from pathlib import Path
 from typing import Any
 
 import nbformat
+from matplotlib.figure import Figure
 
 from move import paths
+from move.figures.page.captions import Caption
 
 
 def execute(name: str, **changes: Any) -> dict[str, Any]:
@@ -27,3 +30,11 @@ def execute(name: str, **changes: Any) -> dict[str, Any]:
         exec(compile(ast.Module(statements, []), name, "exec"), space)
         space["_"] = eval(compile(ast.Expression(last.value), name, "eval"), space)
     return space
+
+
+def picture_left_empty(figure: Figure, name: str, folder: Path, caption: Caption | None = None) -> None:
+    """In place of `style.save`, which takes most of a notebook's time: the caption is written, the picture is empty."""
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / f"{name}.png").touch()  # which a notebook shows
+    if caption:
+        (folder / f"{name}.caption.md").write_text(caption.markdown(), encoding="utf-8")

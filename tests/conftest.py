@@ -55,9 +55,12 @@ def pytest_report_header() -> str:
 
 @pytest.hookimpl
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Begin with the files whose tests take longest, so that no process is left alone with one of them at the end."""
-    longest = ("test_real_notebook", "test_cluster", "test_processes", "test_tutorial", "test_readers_changes")
-    items.sort(key=lambda item: item.path.stem not in longest)
+    """Begin with the files that take longest, for a file is one process's: its notebooks are executed once."""
+    longest = ("test_planted_truth", "test_tutorial", "test_figures", "test_real_notebook", "test_missing_runs",
+               "test_untouched", "test_study", "test_tasks", "test_paper_profile", "test_bad_input", "test_outputs",
+               "test_real_checks", "test_cluster", "test_processes", "test_claims")
+    order = {name: place for place, name in enumerate(longest)}
+    items.sort(key=lambda item: order.get(item.path.stem, len(longest)))
 
 
 @pytest.hookimpl

@@ -14,7 +14,6 @@ import math
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from importlib.metadata import version
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -23,7 +22,7 @@ import matplotlib
 import numpy as np
 import pandas as pd
 import pytest
-from cells import execute
+from cells import execute, picture_left_empty
 from matplotlib.figure import Figure
 
 from move import paths
@@ -39,7 +38,7 @@ from move.sim.motion.wrappers import Motions, movable
 from move.sim.tasks import get_task
 from move.study.labels import distinct
 from move.study.profiles import load_profile
-from move.study.provenance import DECIDING
+from move.study.provenance import DECIDING, version
 from move.study.results import Result, store
 from move.study.spec import CollectionRun, ControlRun, PolicyRun, RunSpec
 
@@ -307,7 +306,7 @@ class World:
         self.specs = {name: [run.spec for run in distinct(runs(name, PROFILE))] for name in with_runs()}
         every = {spec.hash: spec for specs in self.specs.values() for spec in specs}
         self.results = {spec.hash: planted_result(spec, turned) for spec in every.values()}
-        self._features = {spec.hash: features(spec) for spec in every.values()}
+        self._features = {name: [(spec.hash, features(spec)) for spec in specs] for name, specs in self.specs.items()}
         self.figures: dict[str, Figure] = {}  # by the name of the file that each was saved under
         self._shown: dict[str, Any] = {}
         self.displayed: dict[tuple[str, str], pd.DataFrame] = {}  # by figure and suffix: as a notebook shows it
@@ -335,8 +334,8 @@ class World:
 
     def found(self, figure: str, **wanted: Any) -> list[Result]:
         """The planted results of a figure whose `features` are those."""
-        return [self.results[spec.hash] for spec in self.specs[figure]
-                if all(self._features[spec.hash].get(name) == value for name, value in wanted.items())]
+        return [self.results[run] for run, has in self._features[figure]
+                if all(has.get(name) == value for name, value in wanted.items())]
 
     def cell(self, figure: str, place: str = "", **wanted: Any) -> np.ndarray:
         """Planted successes, (seeds, configurations), of the runs of a figure with those features.
@@ -357,10 +356,7 @@ class World:
 
         def saved(figure: Figure, name: str, folder: Path, caption: Any = None) -> None:
             self.figures[name] = figure
-            folder.mkdir(parents=True, exist_ok=True)
-            (folder / f"{name}.png").touch()  # which a notebook shows
-            if caption:
-                (folder / f"{name}.caption.md").write_text(caption.markdown(), encoding="utf-8")
+            picture_left_empty(figure, name, folder, caption)
 
         def displayed(made: Made, suffix: str = "") -> Any:
             shown = table(made, suffix)

@@ -138,8 +138,9 @@ def drawn(request, world):
     figure = picture(request.param, world)
     figure.set_label(request.param)
     style.remark(figure, "114 of 154 runs are missing")
-    for _ in range(4):  # a pass of the layout starts where the last one ended
-        figure.draw_without_rendering()
+    figure.set_dpi(plt.rcParams["savefig.dpi"])  # as it is written
+    style.settle(figure)
+    figure.draw_without_rendering()
     yield figure
     plt.close(figure)
 

@@ -151,7 +151,7 @@ def test_a_reader_changes_interrupts_and_goes_on(lab, tmp_path):
         wait_for(lambda: list(made.glob(f"{NOTEBOOK}-*/{NOTEBOOK}.png")), LONG / 1000)
         first = set(made.iterdir())
         outputs(page, WRITTEN)
-        change(page, NOTEBOOK, seeds=[1, 3], deviations=[0.08], draws=2_000_000)
+        change(page, NOTEBOOK, seeds=[1, 3], deviations=[0.08], draws=1_000_000)
         run_all(page)
         page.wait_for_function("document.querySelector('.jp-InputArea-prompt')?.innerText.includes('*') || "
                                "[...document.querySelectorAll('.jp-InputArea-prompt')].some(one => "

@@ -12,6 +12,7 @@ import pytest  # noqa: E402
 from move.errors import BadInput  # noqa: E402
 from move.figures import fig_coverage  # noqa: E402
 from move.figures.page.parameters import specs, with_runs  # noqa: E402
+from move.figures.plots import style  # noqa: E402
 from move.study.profiles import Profile, load_profile  # noqa: E402
 
 LAPTOP = load_profile("laptop")
@@ -22,7 +23,12 @@ READING = [name for name in (*WITH_RUNS, "claims") if name not in SLOW]
 
 @pytest.fixture
 def figures(tmp_path, monkeypatch):
-    """Where the figures go; nothing is run."""
+    """Where the figures go, drawn but not written; nothing is run."""
+    def drawn(figure, *others):
+        figure.draw_without_rendering()
+        cells.picture_left_empty(figure, *others)
+
+    monkeypatch.setattr(style, "save", drawn)
     monkeypatch.setenv("MOVE_STORED_ONLY", "1")
     monkeypatch.setattr(Profile, "figures", property(lambda profile: tmp_path / "figures"))
     yield tmp_path / "figures"

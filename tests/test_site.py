@@ -88,8 +88,8 @@ def small(tmp_path, monkeypatch):
     """A site of no notebook, in place of which `write` puts whatever it wants."""
     for name in ("SITE", "SOURCE"):
         monkeypatch.setattr(make_site, name, tmp_path / "build" / name.lower())
-    for name, found in (("listed", []), ("api_pages", []), ("start_page", "")):
-        monkeypatch.setattr(make_site, name, lambda *arguments, found=found: found)
+    for name, found in (("listed", []), ("api_pages", []), ("start_page", ""), ("atlas.page", "")):
+        monkeypatch.setattr(f"make_site.{name}", lambda *arguments, found=found: found)
     monkeypatch.setenv("MOVE_STORED_ONLY", "1")
 
     def make(write) -> dict[str, str]:

@@ -16,6 +16,7 @@ from move.errors import BadInput  # noqa: E402
 from move.figures.page import browser, captions, changes, data, kept  # noqa: E402
 from move.figures.page.kernels import of_profile  # noqa: E402
 from move.figures.page.parameters import specs  # noqa: E402
+from move.figures.plots import style  # noqa: E402
 from move.study.plan import plan_rows  # noqa: E402
 from move.study.profiles import load_profile  # noqa: E402
 from move.study.results import NOT_COMPUTED  # noqa: E402
@@ -37,6 +38,7 @@ def status(tmp_path, monkeypatch):
     monkeypatch.setattr(paths, "own_figures", lambda name: tmp_path / "build/figures" / name)
     monkeypatch.setattr(type(LAPTOP), "own_results", property(lambda _: tmp_path / "none"))
     monkeypatch.setattr(os, "cpu_count", lambda: 2)
+    monkeypatch.setattr(style, "save", cells.picture_left_empty)
     monkeypatch.setattr("move.figures.page.make.Made.answer", property(lambda made: made.answers[made.name]))
     yield lines
     plt.close("all")

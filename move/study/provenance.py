@@ -9,7 +9,7 @@ import subprocess
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from functools import cache
-from importlib.metadata import version
+from importlib import metadata
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +20,12 @@ from move.paths import IN_CHECKOUT, ROOT
 PACKAGES = ("metaworld", "mujoco", "gymnasium", "numpy", "torch", "diffusers")
 DECIDING = ("metaworld", "mujoco", "numpy", "torch", "diffusers")  # packages that decide a result's numbers
 SOURCE = ("sim", "learn", "machine.py", "study/run.py")  # what of this package does
+
+
+@cache
+def version(package: str) -> str:
+    """The version of an installed package, looked up once."""
+    return metadata.version(package)
 
 
 @cache

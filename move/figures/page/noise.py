@@ -8,10 +8,9 @@ import numpy as np
 
 from move.figures import load, names
 from move.figures.page.parameters import runs
-from move.statistics.cells import successes
 from move.statistics.estimates import TrainingNoise, training_noise_of
 from move.study.profiles import Profile
-from move.study.results import split, table
+from move.study.results import Result, split
 
 
 def known_noise(profile: Profile, observation: str, grid: bool = False) -> TrainingNoise:
@@ -33,9 +32,10 @@ def _cells(profile: Profile, observation: str, grid: bool) -> Iterator[np.ndarra
     specs = {run.spec for name in repeating for run in runs(name, profile)
              if run.spec.training and run.spec.observation == observation
              and (run.spec.evaluation.starts == "grid") == grid}
-    seeds: dict[str, list] = {}
+    seeds: dict[str, list[Result]] = {}
     for result in split(sorted(specs, key=lambda spec: spec.hash), profile.results)[0]:
         seeds.setdefault(result.spec.model_copy(update={"seed": 0}).hash, []).append(result)
     for repeated in seeds.values():
         if len(repeated) > 1:
-            yield successes(table(repeated))
+            yield np.array([[row["success"] for row in result.rows]
+                            for result in sorted(repeated, key=lambda result: result.spec.seed)], float)
