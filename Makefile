@@ -54,7 +54,7 @@ $(foreach name,$(NUMBERED),$(eval $(call short_name,$(name))))
 test: $(READY)  ## run every test
 	$(BIN)/python -m ruff check move tests tools
 	$(BIN)/python -m mypy
-	$(BIN)/python -m pytest -q -n 2 --dist loadfile -m "not slow and not browser"
+	$(BIN)/python -m pytest -q -n 2 --dist loadfile --no-loadscope-reorder -m "not slow and not browser"
 
 test-slow: $(READY)  ## run the tests that take minutes: the paper's own batch
 	$(BIN)/python -m pytest -q -m slow

@@ -405,7 +405,7 @@ def test_a_claim_that_was_added_since_was_committed_before_its_runs():
         pytest.fail(f"{where} is not in git")
 
     def decisive(text: str) -> dict[int, str]:
-        return {each.number: each.model_dump_json(exclude={"quote", "place", "figure", "changed"})
+        return {each.number: each.model_dump_json(exclude={"quote", "short", "place", "figure", "changed"})
                 for each in read(text)}
 
     versions = [(commit, decisive(git("show", f"{commit}:{where}"))) for commit in commits]

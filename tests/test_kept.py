@@ -46,6 +46,11 @@ def test_a_record_that_was_changed_is_none(shipped, change):
     assert answers() is None
 
 
+def test_a_figure_whose_own_file_was_changed_is_made_anew(shipped, monkeypatch):
+    monkeypatch.setattr(kept.inspect, "getsource", lambda module: "")
+    assert shipped[2]() is None
+
+
 @pytest.mark.parametrize("text", ["", "[]", "null", "{", "7", "\0"])
 def test_a_damaged_record_is_none(shipped, text):
     shipped[1].write_text(text)

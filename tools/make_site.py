@@ -58,6 +58,7 @@ DOCUMENTS = ("KNOWN_DEVIATIONS.md", "SECURITY.md", *sorted(
     str(path.relative_to(paths.ROOT)) for folder in (DOCS, DOCS / "how-to") for path in folder.glob("*.md")),
     "paper_figures/bench.md")
 """Pages of the repository; they lie in the site as in the repository, so that their links to one another hold."""
+NARROW = "_narrow"  # ends the name of a picture's form for one column, and for a telephone
 PHOTOGRAPH = 2500  # colours from which a picture has images of a camera in it; plots have fewer
 ANSWERS = ("made.answer",)  # the cells whose output the table of the answer replaces
 WRITTEN = re.compile(r"\s*Written to `[^`]*`; what is shipped stays as it is\.")  # of a live notebook alone
@@ -232,7 +233,8 @@ def figure_page(name: str, executed: NotebookNode | str) -> NotebookNode:
     notebook = nbformat.read(paths.NOTEBOOKS / f"{name}.ipynb", 4) if isinstance(executed, str) else executed
     answer = answer_of(notebook) or words(name)[1]
     title, *cells = shown_cells(notebook, hide_code=True)
-    pictures = [path.stem for path in sorted(SHIPPED.glob("*.png")) if owner(path.stem) == name]
+    pictures = [path.stem for path in sorted(SHIPPED.glob("*.png"))
+                if owner(path.stem) == name and not path.stem.endswith(NARROW)]
     heading, _, question = title.source.partition("\n")
     lacking = not_made("The executed notebook of this page", executed) if isinstance(executed, str) else ""
     if pictures:
@@ -335,16 +337,20 @@ def words(name: str) -> tuple[str, str, str]:
 
 
 def picture(name: str) -> str:
-    """A shipped picture, which opens large, with its alternative text and caption."""
-    for ending in ("png", "pdf"):
-        shutil.copy(SHIPPED / f"{name}.{ending}", SOURCE / "_static")
+    """A shipped picture, which opens large, with its alternative text and caption; narrow screens show its narrow form.
+    """
+    for path in [*SHIPPED.glob(f"{name}.p[nd][gf]"), *SHIPPED.glob(f"{name}{NARROW}.png")]:
+        shutil.copy(path, SOURCE / "_static")
     caption, _, alt = words(name)
     with Image.open(SHIPPED / f"{name}.png") as image:
         kind, (width, height) = "photograph" if is_photograph(image) else "plot", image.size
     remark = "Light and dark are exchanged in this picture; the large one is as published." if kind == "plot" else ""
     file, alt = f"../_static/{name}", html.escape(" ".join(alt.split()))
-    return (f"<figure class=\"picture\"><a href=\"{file}.png\"><img class=\"{kind}\" src=\"{file}.png\" "
-            f"width=\"{width}\" height=\"{height}\" alt=\"{alt}\"></a><figcaption class=\"on-dark\">{remark}"
+    narrow = (f"<source media=\"(max-width: 600px)\" srcset=\"{file}{NARROW}.png\">"
+              if (SHIPPED / f"{name}{NARROW}.png").exists() else "")
+    return (f"<figure class=\"picture\"><a href=\"{file}.png\"><picture>{narrow}<img class=\"{kind}\" "
+            f"src=\"{file}.png\" width=\"{width}\" height=\"{height}\" alt=\"{alt}\"></picture></a>"
+            f"<figcaption class=\"on-dark\">{remark}"
             f"</figcaption></figure>\n\n{html.escape(caption, quote=False)} <a href=\"{file}.png\">Large</a>, "
             f"<a href=\"{file}.pdf\">PDF</a>.")
 

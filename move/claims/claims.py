@@ -57,6 +57,8 @@ class Claim(Strict):
 
     number: int
     quote: Annotated[str, Field(max_length=100)]
+    short: Annotated[str, Field(max_length=48)] = Field(
+        default="", description="as plots name it; the quote where that is no longer than this may be")
     place: str
     figure: str = Field(description="the notebook that shows it")
     join: Join = Field(default="every", description="how the findings decide together, see move/statistics/verdicts.py")

@@ -44,6 +44,7 @@ class Entry(Strict):
 
     number: int
     claim: str = Field(description="the paper's words, shortened")
+    short: str = Field(description="the claim as plots name it")
     place: str = Field(description="where they are in the paper")
     figure: str = Field(description="the notebook that shows the numbers")
     join: Join = Field(description="how the numbers decide together, see move/statistics/verdicts.py")
@@ -92,7 +93,7 @@ def numbers(decided: Sequence[Entry]) -> pd.DataFrame:
         found = [each for each in one.numbers if None not in (each.value, each.low, each.high)]
         several = [each for each in found if not each.trend]
         factor = one.figure == "fig4_scaling" and all(each.above == 1 for each in found)
-        named = {"number": one.number, "claim": one.claim, "figure": one.figure, "verdict": one.verdict,
+        named = {"number": one.number, "claim": one.short, "figure": one.figure, "verdict": one.verdict,
                  "factor": factor}
         rows += [{**named, **_point(each), "whole": len(found) < MANY or each.trend} for each in found]
         if one.join == "every" and len(several) >= MANY and not factor:
@@ -126,7 +127,8 @@ def _entry(claim: Claim, items: Sequence[Item]) -> Entry:
     numbers = [item for item in items if isinstance(item, Finding)]
     found = verdict(items, claim.join)
     return Entry(
-        number=claim.number, claim=claim.quote, place=claim.place, figure=claim.figure, join=claim.join, verdict=found,
+        number=claim.number, claim=claim.quote, short=claim.short or claim.quote, place=claim.place,
+        figure=claim.figure, join=claim.join, verdict=found,
         numbers=[_number(item) for item in numbers],
         notes=[str(item) for item in items if not isinstance(item, Finding)],
         needed=[item.needed for item in numbers if item.needed] if found == UNDECIDED else [], changed=claim.changed,

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from move.figures import plots
 from move.figures.page.captions import Words
 from move.figures.page.data import Data
-from move.figures.plots.style import PAGE_WIDTH, titles
+from move.figures.plots.style import COLUMN_WIDTH, PAGE_WIDTH, titles
 from move.figures.tables import readable
 from move.statistics.verdicts import VERDICTS
 
@@ -45,20 +45,26 @@ def printed(tables: dict[str, pd.DataFrame], data: Data) -> dict[str, pd.DataFra
     return {"": readable(tables[""][["number", "claim", "verdict", "figure"]])}
 
 
-def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:
+def draw(tables: dict[str, pd.DataFrame], data: Data) -> dict[str, Figure]:
     """The claims that are numbers, grouped by figure: shares and differences, and below them factors."""
     numbers = data.seen.numbers
     grouped = numbers.assign(first=numbers.groupby("figure").number.transform("min")).sort_values(
         ["first", "number"], kind="stable")
-    parts = [grouped[~grouped.factor], grouped[grouped.factor]]
+    return {"claims": _forest(grouped, PAGE_WIDTH, 0.17), "claims_narrow": _forest(grouped, COLUMN_WIDTH, 0.25)}
+
+
+def _forest(numbers: pd.DataFrame, width: float, line: float) -> Figure:
+    """The forest plot in a width and with a line's height in inches; one column has no room beside the lines."""
+    parts, narrow = [numbers[~numbers.factor], numbers[numbers.factor]], width < PAGE_WIDTH
     lines = [max(part.number.nunique(), 1) for part in parts]
-    figure, axes = plt.subplots(2, 1, figsize=(PAGE_WIDTH, 1.9 + 0.17 * sum(lines)), height_ratios=lines)
+    figure, axes = plt.subplots(2, 1, figsize=(width, 1.9 + line * sum(lines)), height_ratios=lines)
     for ax, part in zip(axes, parts, strict=True):
-        plots.forest(part, ax)
+        plots.forest(part, ax, above=narrow)
     axes[0].set_xlabel("difference, rate or share, as the claim has it")
     axes[1].set(xlabel="static's timesteps / MOVE's, same success", xlim=(0, None))
     axes[1].axvline(1, color="black", lw=0.8, ls="--")
-    figure.legend(handles=plots.forest_entries(list(numbers.verdict)), ncol=4, loc="outside upper center")
+    figure.legend(handles=plots.forest_entries(list(numbers.verdict)), ncol=2 if narrow else 4,
+                  loc="outside upper center")
     titles(axes, ["claims that are a share or a difference", "claims of data efficiency"])
     return figure
 
@@ -72,14 +78,19 @@ def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
         "number " + ", ".join(unfinished) if len(unfinished) else "none", data.seen.fingerprint)
 
 
+SHOWN = (
+    "The claims that are numbers, those of a figure together: ours with its 95 % interval, coloured by the verdict "
+    "that one rule makes from stored runs, the paper's value a diamond. Of a claim of several things small strokes "
+    "are the single ones and the point is their mean, or the trend over them.")
+ALT = "A forest plot with a line a claim: a point, its interval, and a diamond for the paper."
 WORDS = Words(
     title="What became of the paper's claims",
-    shown=(
-        "The claims that are numbers, those of a figure together: ours with its 95 % interval, coloured by the verdict "
-        "that one rule makes from stored runs, the paper's value a diamond. Of a claim of several things small strokes "
-        "are the single ones and the point is their mean, or the trend over them."),
-    alt="A forest plot with a line a claim: a point, its interval, and a diamond for the paper.",
+    shown=SHOWN,
+    alt=ALT,
     tables={
         "": "The paper's claims, each with its verdict and the evidence.",
+    },
+    others={
+        "claims_narrow": Words(title="What became of the paper's claims, in one column", shown=SHOWN, alt=ALT),
     },
 )

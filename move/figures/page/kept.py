@@ -1,13 +1,14 @@
 """Figures that simulate are made once: what was shipped is shown as long as it is made of the same things.
 
-Next to such a figure `NAME.made.json` says what it was made of (its parameters, its runs, the policies that are there,
-the versions of what decides), its answer, the sha256 of each of its files, and a digest of all that. A figure whose
-file says `SIMULATES = True` is made anew only if one of these differs.
+Next to such a figure `NAME.made.json` says what it was made of (its own file, its parameters, its runs, the policies
+that are there, the versions of what decides), its answer, the sha256 of each of its files, and a digest of all that. A
+figure whose file says `SIMULATES = True` is made anew only if one of these differs.
 """
 
 from __future__ import annotations
 
 import hashlib
+import inspect
 import json
 from collections.abc import Mapping
 from pathlib import Path
@@ -31,7 +32,7 @@ def keep(name: str, data: Data, chosen: Mapping[str, Any], answers: Mapping[str,
     """Note what a figure was made of, once it is written."""
     if not getattr(load(name), "SIMULATES", False) or gl_problem():  # without GL there would be no images to keep
         return
-    content = {"made_of": _made_of(data, chosen), "answers": dict(answers), "files": _files(name, data.folder)}
+    content = {"made_of": _made_of(name, data, chosen), "answers": dict(answers), "files": _files(name, data.folder)}
     with written_aside(data.folder / f"{name}.made.json") as new:
         new.write_text(json.dumps({**content, "digest": _of_json(content)}, indent=1, sort_keys=True) + "\n",
                        encoding="utf-8")
@@ -45,7 +46,7 @@ def answers(name: str, data: Data, chosen: Mapping[str, Any]) -> dict[str, str] 
     try:
         content = json.loads(record.read_text(encoding="utf-8"))
         whole = content.pop("digest") == _of_json(content) and content["files"] == _files(name, data.folder)
-        return content["answers"] if whole and content["made_of"] == _made_of(data, chosen) else None
+        return content["answers"] if whole and content["made_of"] == _made_of(name, data, chosen) else None
     except (OSError, ValueError, KeyError, TypeError, AttributeError):  # no such file, or not as `keep` writes it
         return None
 
@@ -64,13 +65,13 @@ def files_of(name: str, folder: Path) -> list[Path]:
     return sorted(found, key=lambda path: ([*WRITTEN, path.suffix].index(path.suffix), path.name))
 
 
-def _made_of(data: Data, chosen: Mapping[str, Any]) -> str:
+def _made_of(name: str, data: Data, chosen: Mapping[str, Any]) -> str:
     versions = {name: version for name, version in deciding().items() if name != "source"}
     policies = sorted(path.name for path in (data.profile.results / "policies").glob("*"))
     usual = {key: default for key, (_, default) in SHARED.items()}
     own = {key: value for key, value in chosen.items() if key not in usual or value != usual[key]}
-    parts = [plain(own), sorted(result.spec.hash for result in data.results), policies if data.runs else [],
-             versions, RESULTS_VERSION, data.profile.stamp]
+    parts = [inspect.getsource(load(name)), plain(own), sorted(result.spec.hash for result in data.results),
+             policies if data.runs else [], versions, RESULTS_VERSION, data.profile.stamp]
     return _of_json(parts)
 
 

@@ -55,11 +55,12 @@ def differences(table: pd.DataFrame, by: str, labels: list[str], ax: Axes, means
     points_axis(ax, "difference of success (points)")
 
 
-def forest(table: pd.DataFrame, ax: Axes) -> None:
+def forest(table: pd.DataFrame, ax: Axes, above: bool = False) -> None:
     """Claims with their numbers, one line each: ours with its interval in the verdict's colour, the paper's a diamond.
 
     Args:
         table: as `move.claims.ledger.numbers` gives it; of several numbers the single ones are drawn small.
+        above: whether a claim's words are above its line, as where there is no room beside it.
     """
     listed = table[["number", "claim", "figure"]].drop_duplicates().reset_index(drop=True)
     place_of = {number: place for place, number in enumerate(listed.number)}
@@ -72,10 +73,16 @@ def forest(table: pd.DataFrame, ax: Axes) -> None:
                     capsize=1.5, color=colour)
         ax.plot(row.paper, place, "D", ms=3.5, mew=0.9, color="#444444", mfc="white", zorder=4)
     for place in np.flatnonzero(listed.figure != listed.figure.shift())[1:]:
-        ax.axhline(place - 0.5, color="#DDDDDD", lw=0.7)
-    ax.set_yticks(range(len(listed)), [f"{row.claim if len(row.claim) <= 52 else row.claim[:50].rstrip() + ' ...'}  "
-                                       f"{row.number}" for row in listed.itertuples()])
-    ax.set_ylim(max(len(listed), 1) - 0.5, -0.5)
+        ax.axhline(place - 0.5 - 0.28 * above, color="#DDDDDD", lw=0.7)
+    if above:
+        ax.set_yticks([])
+        ax.spines["left"].set_visible(False)
+        for place, row in enumerate(listed.itertuples()):
+            ax.text(0, place - 0.4, f"{row.number}  {row.claim}", transform=ax.get_yaxis_transform(), va="center",
+                    fontsize=LEAST_POINTS, bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5})
+    else:
+        ax.set_yticks(range(len(listed)), [f"{row.claim}  {row.number}" for row in listed.itertuples()])
+    ax.set_ylim(max(len(listed), 1) - 0.5, -0.5 - 0.4 * above)
     ax.axvline(0, color="black", lw=0.8)
 
 
