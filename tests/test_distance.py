@@ -1,5 +1,7 @@
 """Success against distance: what is planted is found, intervals cover as often as they say, and the rule can fall."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.optimize import check_grad
@@ -122,6 +124,15 @@ def test_the_rule_holds_for_the_law_and_falls_where_motion_brings_more():
     led = findings_on_grids(simulated(rng, Curve(0.6, (0.06,), 3.0), seeds=2, trainings=0.02, lead=0.3))
     assert verdict(led) == "falls"
     assert {finding.what: finding.answer for finding in led}["MOVE minus static at equal distance"] == "no"
+
+
+def test_where_all_but_one_episode_succeed_there_is_nothing_to_predict_and_the_share_of_it_has_no_end():
+    rows = simulated(np.random.default_rng(10), seeds=2)
+    success = np.ones_like(rows.success)
+    success[5] = 0
+    error, share = findings_on_grids(replace(rows, success=success))[:2]
+    assert error.low >= 0 and error.answer == "yes" and error.high < 0.01
+    assert share.low >= 0 and np.isinf(share.high) and share.answer == "open"
 
 
 def over_tasks(rng, difficulty):

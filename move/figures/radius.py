@@ -39,6 +39,7 @@ SIMULATES = True
 
 FIGURES = {"figure 1": fig1_sparse, "figure 3": fig3_dense, "figure 5": fig5_circle}
 TEN = "ten tasks"
+NOWHERE = 10.0  # metres or radians: no scene is as large
 INCOMPLETE = "not decided yet: runs are missing"
 AT_HOME = "hand in one place"  # as of a robot that begins each demonstration at home
 NEAR = "hand within 3 cm"
@@ -155,7 +156,8 @@ def tables(data: Data) -> dict[str, pd.DataFrame]:
 def _radii(found: Tried) -> list[dict[str, Any]]:
     """A row a factor: its radius, with its interval over runs, or over tasks where those were left out.
 
-    `farthest` is the largest distance that was tried, NaN where there are several factors.
+    `farthest` is the largest distance that was tried, NaN where there are several factors. A radius beyond `NOWHERE`
+    is infinite: no distance in a scene is as large, so the factor decides nothing.
     """
     from move.study.seen import FACTORS
 
@@ -163,9 +165,11 @@ def _radii(found: Tried) -> list[dict[str, Any]]:
     _, low, high = distance.jackknife(labels, lambda mask: np.log(distance.fit(found.tries.where(mask)).radii))
     farthest = found.tries.apart.max() if found.on_grids else np.nan
     units = {"object": "m", "target": "m", "hand": "m"}
-    return [{"factor": factor, "radius": radius, "low": np.exp(low[place]), "high": np.exp(high[place]),
+    radii, low, high = (np.where(np.asarray(ends) > NOWHERE, np.inf, ends) for ends in (
+        curve.radii, np.exp(low), np.exp(high)))
+    return [{"factor": factor, "radius": radius, "low": low[place], "high": high[place],
              "unit": units.get(factor, "rad"), "farthest": farthest, "top": curve.top, "steepness": curve.steepness}
-            for place, (factor, radius) in enumerate(zip(FACTORS, curve.radii, strict=False))]
+            for place, (factor, radius) in enumerate(zip(FACTORS, radii, strict=False))]
 
 
 def _cells(data: Data, found: Tried) -> pd.DataFrame:

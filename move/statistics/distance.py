@@ -51,6 +51,7 @@ ERROR, SHARE = "error", "error, share of that without distances"
 EQUAL, GAIN = "MOVE minus static at equal distance", "gain of two curves"
 HOLDS, FALLS, UNDECIDED = "holds", "falls", "undecided"
 
+ENDLESS = 10.0  # of a share: the other predictions were off by next to nothing
 BINS = 0.005  # metres, of equal distance
 SHARES = 5  # of a task's configurations, sorted by distance, which count as equally far
 _NEAR = 1e-6  # of a radius: D of what was seen itself
@@ -321,6 +322,9 @@ def _mean(values: np.ndarray) -> tuple[float, float, float]:
 
 
 def _below(what: str, value: float, low: float, high: float, limit: float) -> Finding:
+    """A finding whose limit is from above; errors are no less than 0, and a share of next to nothing has no end."""
+    if what in (ERROR, SHARE):
+        low, high = max(low, 0.0), INFINITE if high > ENDLESS else high
     return Finding(what, float(value), float(low), float(high), -INFINITE, limit)
 
 

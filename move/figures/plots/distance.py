@@ -34,7 +34,7 @@ def fitted(top: float, radius: float, steepness: float, ends: tuple[float, float
     far = np.linspace(0, ax.get_xlim()[1], 200)
     ax.plot(far, top * Curve(top, (radius,), steepness).left(far), color="black", lw=1.1, zorder=1)
     if radius < far[-1]:
-        ax.axvspan(*ends, color="#999999", alpha=0.25, lw=0)
+        ax.axvspan(ends[0], min(ends[1], far[-1]), color="#999999", alpha=0.25, lw=0)
         ax.axvline(radius, color="#444444", lw=0.8, ls="--")
         ax.set_xlim(0, far[-1])
 
