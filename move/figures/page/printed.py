@@ -8,6 +8,7 @@ save        the tidy table as CSV, the readable one as LaTeX with caption and la
 from __future__ import annotations
 
 import html
+import math
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -58,6 +59,8 @@ def _factor(value: Any) -> str:
 
 
 def _plain(value: Any) -> str:
+    if value == math.inf:
+        return "no end"
     return f"{value:.3g}".replace("-", MINUS) if isinstance(value, float) else str(value)
 
 
