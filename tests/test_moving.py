@@ -298,6 +298,7 @@ def test_a_metaworld_task_outside_the_ten_moves_with_its_goal():
     assert 0.05 < np.ptp(seen[:30, :2], axis=0).max() and angle != 0
     assert not np.allclose(bare._target_pos, env.env.start.target_position)
     assert bare.model.site("goal").pos == pytest.approx(bare._target_pos)
+    assert bare.data.site("goal").xpos == pytest.approx(bare._target_pos), "and is seen there"
 
 
 @pytest.mark.filterwarnings("ignore")
