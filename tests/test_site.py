@@ -12,6 +12,7 @@ import time
 from html.parser import HTMLParser
 from pathlib import Path
 from urllib.parse import unquote, urldefrag, urlparse
+from zipfile import ZipFile
 
 import nbformat
 import pandas as pd
@@ -262,6 +263,8 @@ def test_every_run_of_a_figure_leads_to_its_file_its_command_and_its_rows(source
     assert all(f"../_static/results/{run}.json" in shown and f"move verify {run}<" in shown for run in runs)
     episodes = pd.read_csv(source / "_static/rollouts_rows.csv.zip")
     assert "rollouts_rows.csv.zip" in rows and set(episodes.run) == runs
+    with ZipFile(source / "_static/rollouts_rows.csv.zip") as archive:
+        assert {entry.date_time[0] for entry in archive.infolist()} == {1980}, "the same rows are the same bytes"
     assert len(episodes) == sum(len(result.rows) for result in make_site.split(
         make_site.parameters.specs("rollouts", make_site.PROFILE), make_site.PROFILE.results)[0])
 
@@ -269,8 +272,11 @@ def test_every_run_of_a_figure_leads_to_its_file_its_command_and_its_rows(source
 def test_a_picture_opens_large_and_only_plots_are_exchanged_on_dark_pages(source):
     for name, kind in (("fig1_sparse", "plot"), ("rollouts", "photograph"), ("fig2_overview", "photograph")):
         shown = make_site.picture(name)
-        assert f'<a href="../_static/{name}.png"><img class="{kind}"' in shown
-        assert ("exchanged" in shown) is (kind == "plot")
+        assert f'<a href="../_static/{name}.png"><picture><img class="{kind}"' in shown
+        assert ("exchanged" in shown) is (kind == "plot") and "<source" not in shown
+    shown = make_site.picture("claims")
+    assert '<source media="(max-width: 600px)" srcset="../_static/claims_narrow.png">' in shown
+    assert (source / "_static/claims_narrow.png").exists() and (source / "_static/claims.pdf").exists()
 
 
 def test_the_atlas_starts_where_figure_1s_evaluation_does():
