@@ -10,7 +10,7 @@ from test_cli import move
 
 from move.errors import BadInput
 from move.figures.page import parameters
-from move.statistics.estimates import difference
+from move.statistics.paired import exact_difference
 from move.study import compare, results
 from move.study.profiles import load_profile
 from move.study.provenance import DECIDING
@@ -38,7 +38,7 @@ def files(tmp_path):
 def test_the_difference_is_that_of_the_paired_episodes(capsys, files, seed, apart):
     rng = np.random.default_rng(seed)
     one, other = rng.random(80) < 0.5 + apart / 2, rng.random(80) < 0.5 - apart / 2
-    expected = difference(one[None].astype(float), other[None].astype(float))
+    expected = exact_difference(one, other)
     code, out, _ = move(capsys, "compare", *files(printed(one), printed(other)), "--json")
     found = json.loads(out)
     assert code == 0 and found["task"] == "push"
@@ -46,6 +46,28 @@ def test_the_difference_is_that_of_the_paired_episodes(capsys, files, seed, apar
         assert found["difference"][name] == pytest.approx(getattr(expected, name))
     assert (found["first_rate"]["value"], found["second_rate"]["value"]) == (one.mean(), other.mean())
     assert found["difference"]["value"] == pytest.approx(one.mean() - other.mean())
+
+
+@pytest.mark.parametrize("won, lost, count, p", [
+    (2, 0, 2, 0.5), (6, 0, 6, 0.03125), (20, 0, 20, 2 / 2**20), (5, 0, 20, 0.0625), (8, 1, 20, 0.0390625),
+    (3, 0, 3, 0.25), (1, 1, 2, 1.0), (0, 0, 10, 1.0), (40, 20, 100, 0.013489293712)])
+def test_few_configurations_that_tell_two_apart_make_nobody_sure(won, lost, count, p):
+    one, other = np.zeros((2, count), bool)
+    one[:won], other[won:won + lost] = True, True
+    found, turned = exact_difference(one, other), exact_difference(other, one)
+    assert found.p_value == pytest.approx(p) and found.value == pytest.approx((won - lost) / count)
+    assert p < 0.05 or found.low <= 0, "the interval is no surer than p"
+    assert -1 <= found.low <= found.value <= found.high <= 1 and found.high - found.low > 0.01
+    assert (turned.low, turned.high) == pytest.approx((-found.high, -found.low))
+
+
+def test_intervals_hold_the_difference_as_often_as_they_say():
+    rng, inside = np.random.default_rng(3), []
+    for count, rates in ((10, (0.9, 0.6)), (25, (0.5, 0.5)), (60, (0.3, 0.2))) * 120:
+        one, other = (rng.random(count) < rate for rate in rates)
+        found = exact_difference(one, other)
+        inside.append(found.low <= rates[0] - rates[1] <= found.high)
+    assert np.mean(inside) >= 0.94
 
 
 def test_a_line_says_it_all_and_pairing_narrows_it(capsys, files):

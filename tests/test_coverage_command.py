@@ -89,16 +89,28 @@ def coverage(monkeypatch, capsys, *arguments: str) -> tuple[int, str, str]:
     return ended.value.code, *capsys.readouterr()
 
 
+def test_demonstrations_that_no_budget_cuts_all_have_their_grasps_and_a_cut_one_alone_has_none(tmp_path):
+    for name, limits in (("whole", {"timesteps": 400, "demonstrations": 2}), ("cut", {"timesteps": 8})):
+        wanted = collecting.Collection(task="pick-place", method="static", **limits)
+        made, record = collecting.collect(wanted, 3)
+        dataset.save(made, tmp_path / name, collecting.record_attributes(wanted, 3, record))
+    whole = grasps(str(tmp_path / "whole"))
+    assert len(whole.places) == 2 and whole.without == ()
+    with pytest.raises(BadInput, match="its only demonstration was cut by the budget"):
+        grasps(str(tmp_path / "cut"))
+
+
 def test_a_data_set_collected_here_is_covered_by_its_own_grasp_points(tmp_path, monkeypatch, capsys):
     wanted = collecting.Collection(task="pick-place", method="static", timesteps=400)
     made, record = collecting.collect(wanted, 3)
     dataset.save(made, tmp_path / "data.zarr", collecting.record_attributes(wanted, 3, record))
     found = grasps(str(tmp_path / "data.zarr"))
-    assert found.places == pytest.approx(np.array(record.grasp_points))
+    assert found.places == pytest.approx(np.array(record.grasp_points)[:-1]), "the budget cut the last one"
+    assert len(found.without) == 1 and f"1 of {record.demonstrations} demonstrations: cut" in found.without[0]
     code, out, _ = coverage(monkeypatch, capsys, str(tmp_path / "data.zarr"), "--json", "--next", "3",
                             "--within", "-20,50,20,80", "--out", str(tmp_path / "map.png"))
     said = json.loads(out)
-    assert code == 0 and said["grasps"] == len(record.grasp_points) and len(said["next"]) == 3
+    assert code == 0 and said["grasps"] == record.demonstrations - 1 and len(said["next"]) == 3
     table = ((-0.2, 0.5), (0.2, 0.8))
     assert said["next"][0]["nearest before it (cm)"] == pytest.approx(
         100 * p.next_places(found.places, table, 1)[1][0], abs=0.06)

@@ -43,8 +43,14 @@ def grasps(data: str, *, units_file: Path | None = None) -> Grasps:
             from move.learn.dataset import load  # refuses one that was changed
 
             _, attributes = load(Path(data))
-            points = np.array(attributes["record"]["grasp_points"], float).reshape(-1, 2)
-            return Grasps(points, f"simulation, {len(points)} demonstrations", ())
+            record = attributes["record"]
+            points, kept = np.array(record["grasp_points"], float).reshape(-1, 2), record["demonstrations"]
+            cut = round(record["mean_steps"] * kept) > record["timesteps"]  # the last one, by the budget
+            points = points[: kept - cut]
+            if not len(points):
+                raise BadInput(f"{data}: no place of a grasp: its only demonstration was cut by the budget")
+            return Grasps(points, f"simulation, {kept} demonstrations",
+                          (f"1 of {kept} demonstrations: cut by the budget, perhaps before its grasp",) * cut)
     demos = open_dataset(data, revision=None, episodes=None, units_file=units_file)
     table, why = grasp_table(demos.episodes), why_no_grasps(demos.episodes)
     if table.empty:

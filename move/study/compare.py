@@ -13,7 +13,8 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, NonNegativeInt, 
 from move.choices import HASH
 from move.errors import BadInput
 from move.sim.configuration import SpatialConfiguration
-from move.statistics.estimates import Estimate, difference, success_rate
+from move.statistics.estimates import Estimate, success_rate
+from move.statistics.paired import exact_difference
 from move.study.provenance import other_versions
 from move.study.results import find, load_named
 from move.untrusted import read_json
@@ -159,4 +160,4 @@ def compare(first: Evaluated, second: Evaluated) -> Comparison:
                            "and factors")
     one, other = first.successes, second.successes
     return Comparison(first.task, first.name, second.name, success_rate(one), success_rate(other),
-                      difference(one, other), other_versions(each.provenance for each in (first, second)))
+                      exact_difference(one, other), other_versions(each.provenance for each in (first, second)))

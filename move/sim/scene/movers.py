@@ -81,7 +81,7 @@ def mover(model: mujoco.MjModel, data: mujoco.MjData, what: str, name: str, with
         raise BadInput(f"{what}: {name!r} given, which {model.body(carrier).name!r} carries; allowed are {KINDS}: "
                        f"{', '.join(filter(None, free))}")
     if kind == "site":
-        model.site_sameframe[number] = 0  # or a site that was made at its body's origin stays there, whatever is written
+        model.site_sameframe[number] = 0  # or one that was made at its body's origin stays there, whatever is written
         return Placed(model.site_pos[number], model.site_quat[number], where, frame_of(data, carrier))
     if not joints:
         return Placed(model.body_pos[number], model.body_quat[number], where, frame_of(data, carrier))
