@@ -12,6 +12,7 @@ from safetensors import SafetensorError
 from move import cli, machine, paths
 from move.figures import named, names
 from move.learn import checkpoint, dataset
+from move.sim.collect import Collection, collect
 from move.study.doctor import examine, locked_versions
 
 
@@ -55,6 +56,18 @@ def test_a_policy_is_evaluated_on_the_task_that_it_learnt(capsys, tmp_path):
     move(capsys, "collect", "--task", "push", "--timesteps", "100", "--out", data)
     move(capsys, "train", data, policy, "--profile", "smoke", "--gradient-steps", "2")
     code, out, _ = move(capsys, "evaluate", policy, "--episodes", "1", "--json")
+    assert code == 0 and json.loads(out)["task"] == "push"
+
+
+def test_a_policy_whose_data_name_no_task_is_evaluated_where_it_is_told_to(capsys, tmp_path):
+    made, _ = collect(Collection(task="push", method="static", timesteps=100), 0)
+    dataset.save(made, tmp_path / "data.zarr", {})
+    policy = str(tmp_path / "policy")
+    assert move(capsys, "train", str(tmp_path / "data.zarr"), policy, "--profile", "smoke",
+                "--gradient-steps", "2")[0] == 0
+    code, _, err = move(capsys, "evaluate", policy, "--episodes", "1")
+    assert code == 2 and "data that name no task; --task says where" in err and err.count("\n") == 1
+    code, out, _ = move(capsys, "evaluate", policy, "--task", "push", "--episodes", "1", "--json")
     assert code == 0 and json.loads(out)["task"] == "push"
 
 

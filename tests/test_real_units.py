@@ -138,3 +138,41 @@ def test_a_size_gives_one_known_unit_or_none(quantity, largest):
     if unit != "unknown":
         low, high = next((low, high) for low, high, name in RANGES[quantity] if name == unit)
         assert low <= largest <= high
+
+
+@pytest.mark.parametrize(("ends", "said"), [
+    (["rad"] * 5 + ["deg"], "names: deg and rad, no unit of it"), (["turns"] * 6, "names: turns, no unit of it"),
+    (["rad", "ticks", *["rad"] * 4], "names: rad and ticks, no unit of it")])
+def test_joints_that_name_several_units_or_one_that_is_none_have_none(tmp_path, ends, said):
+    names = [*(f"joint_{n}_{end}" for n, end in enumerate(ends, 1)), "gripper_m"]
+    data = open_dataset(w.lerobot_v2(tmp_path / "d", names=names))
+    assert said in data.units.set_index("quantity").note["joints"]
+    assert all(episode.joints is None for episode in data.episodes)
+
+
+def test_episodes_that_look_like_different_units_have_none_unless_it_is_said(tmp_path):
+    def values(n):
+        return np.column_stack([w.joints(n) * (1, 180 / np.pi)[n], np.linspace(0.09, 0.05, w.STEPS)])
+
+    folder = w.lerobot_v2(tmp_path / "d", values=values, dtype=np.float64)
+    data = open_dataset(folder)
+    assert "single episodes look like deg and like rad" in data.units.set_index("quantity").note["joints"]
+    assert all(episode.joints is None for episode in data.episodes)
+    (tmp_path / "units.yaml").write_text("'*': {joints: rad}")
+    said = open_dataset(folder, units_file=tmp_path / "units.yaml")
+    np.testing.assert_allclose(said.episodes[0].joints, w.joints(0), rtol=1e-9)
+
+
+def test_what_is_relative_is_no_joint(tmp_path):
+    names = [*(f"delta_joint_{n}" for n in range(1, 7)), "gripper"]
+    assert all(episode.joints is None for episode in open_dataset(w.lerobot_v2(tmp_path / "d", names=names)).episodes)
+
+
+def test_a_gripper_whose_large_numbers_are_closed_opens_the_other_way_in_any_unit(tmp_path):
+    names = [*(f"joint_{n}_rad" for n in range(1, 7)), "gripper_rad"]
+    angles = np.linspace(0.0, 0.8, w.STEPS)
+    folder = w.lerobot_v2(tmp_path / "d", names=names, dtype=np.float64, robot_type="ur5e",
+                          values=lambda n: np.column_stack([w.joints(n), angles]))
+    (tmp_path / "units.yaml").write_text("'*': {gripper_closed_is: high}")
+    usual, turned = open_dataset(folder), open_dataset(folder, units_file=tmp_path / "units.yaml")
+    np.testing.assert_allclose(turned.episodes[0].gripper, angles[::-1] * (usual.episodes[0].gripper[-1] / 0.8))

@@ -266,7 +266,9 @@ def evaluate(
         task, who, seen = spec.task, agents.PolicyAgent(policy, spec.seed), spec.collection.observed
     elif checkpoint is not None:
         task = task or learnt_task(checkpoint)
-        policy = load_policy(checkpoint, task=task or "")
+        if not task:
+            raise BadInput(f"{checkpoint}: learnt from data that name no task; --task says where it is tried")
+        policy = load_policy(checkpoint, task=task)
         who, seen = agents.PolicyAgent(policy, seed), policy.observation
     else:
         who = agents.CONTROLS[agent](seed)

@@ -11,12 +11,13 @@ import numpy as np
 POSE = ("x", "y", "z", "roll", "pitch", "yaw")
 _ROTATION_AXIS = {"x": "roll", "y": "pitch", "z": "yaw"}
 _UNITS = {"rad": "rad", "radian": "rad", "radians": "rad", "deg": "deg", "degree": "deg", "degrees": "deg",
-         "mdeg": "mdeg", "m": "m", "cm": "cm", "mm": "mm", "um": "um", "percent": "percent", "pct": "percent"}
+         "mdeg": "mdeg", "m": "m", "cm": "cm", "mm": "mm", "um": "um", "percent": "percent", "pct": "percent",
+         **{name: name for name in ("turn", "turns", "rev", "revs", "ticks", "counts")}}
 # words of a name, in lower case
 _SIDES = {"l": "left", "r": "right", "left": "left", "right": "right"}
 _GRIPPER = {"gripper", "grippers", "grasper", "jaw", "claw"}
 _NO_PLACE = {"vel", "velocity", "speed", "acc", "acceleration", "effort", "torque", "tau", "force", "current", "load",
-             "temperature", "voltage", "target", "goal", "command", "cmd"}
+             "temperature", "voltage", "target", "goal", "command", "cmd", "delta", "rel", "relative", "diff"}
 _NO_ARM = {"leg", "hip", "knee", "ankle", "foot", "head", "neck", "torso", "hand", "finger", "thumb", "object", "cube"}
 _OF_A_POSE = {"eef", "ee", "end", "effector", "endpose", "tcp", "pose", "pos", "position", "rot", "rotation", "euler",
               "flange", "arm", "sim", "observation", "state", *_SIDES, *_GRIPPER}
@@ -162,14 +163,14 @@ def arm_streams(state: np.ndarray, names: Sequence[str] = (), *, piper_order: bo
 
 
 def _unit_hints(names: Sequence[str], columns: Columns) -> dict[str, str]:
-    """Units that the column names state, e.g. `arm_joint_1_rad` or `gripper_open_scale`."""
+    """Units that the column names state, e.g. `arm_joint_1_rad` or `gripper_open_scale`; "deg and rad" of both."""
     numbers = {"joints": columns.joints, "position": columns.pose[:3], "rotation": columns.pose[3:],
                "gripper": () if columns.gripper is None else (columns.gripper,)}
     hints = {}
     for quantity, mine in numbers.items():
         endings = {_UNITS.get(words(names[n])[-1], "") for n in mine}
-        if len(endings) == 1 and (unit := endings.pop()):
-            hints[quantity] = unit
+        if "" not in endings and endings:
+            hints[quantity] = " and ".join(sorted(endings))  # of several the numbers have none
     if columns.gripper is not None and words(names[columns.gripper])[-2:] == ["open", "scale"]:
         hints["gripper"] = "normalised"
     return hints

@@ -105,8 +105,16 @@ def detect_units(recordings: Sequence[Recording], given: Mapping[str, str]) -> l
         pieces = [values for recording in recordings if (values := _values(recording, quantity)) is not None]
         values = np.concatenate([piece.ravel() for piece in pieces]) if pieces else np.empty(0)
         if np.isfinite(values).any():
-            rows.append(_row(about, quantity, values[np.isfinite(values)], given))
+            apart = _alone(quantity, pieces) if quantity in ("joints", "position") else []
+            rows.append(_row(about, quantity, values[np.isfinite(values)], given, apart))
     return rows
+
+
+def _alone(quantity: str, pieces: Sequence[np.ndarray]) -> list[str]:
+    """The units that single recordings look like, where these are several."""
+    sizes = (np.nanmax(np.abs(piece)) for piece in pieces if np.isfinite(piece).any())
+    found = sorted({by_size(quantity, float(size)) for size in sizes} - {"unknown"})
+    return found if len(found) > 1 else []
 
 
 def _values(recording: Recording, quantity: str) -> np.ndarray | None:
@@ -133,8 +141,13 @@ def _by_rate(steps: float) -> str | None:
     return next((unit for unit, seconds in TIME.items() if abs(steps * seconds - 1) <= 0.1), None)
 
 
-def _row(about: Recording, quantity: str, values: np.ndarray, given: Mapping[str, str]) -> UnitRow:
-    """Decide one quantity: by the units file, else by what names, the arm or the rate state, else by its size."""
+def _row(about: Recording, quantity: str, values: np.ndarray, given: Mapping[str, str], apart: Sequence[str]
+         ) -> UnitRow:
+    """Decide one quantity: by the units file, else by what names, the arm or the rate state, else by its size.
+
+    Args:
+        apart: units that single recordings look like, where they differ.
+    """
     low, high = float(values.min()), float(values.max())
     largest = float(np.median(np.abs(values))) if quantity == "time" else max(abs(low), abs(high))
 
@@ -154,6 +167,8 @@ def _row(about: Recording, quantity: str, values: np.ndarray, given: Mapping[str
         return row("unknown", "nothing", f"{by}: {hint}; the numbers look like {sized}: {NAME_IT}")
     if hint:
         return row(hint, by)
+    if apart:
+        return row("unknown", "nothing", f"single episodes look like {' and like '.join(apart)}: {NAME_IT}")
     if doubt := _may_be_else(about, quantity, sized, largest):
         return row("unknown", "nothing", f"{doubt}: {NAME_IT}")
     if sized == "unknown":
@@ -199,8 +214,8 @@ def convert(recording: Recording, rows: Sequence[UnitRow], given: Mapping[str, s
     if gripper is not None and "gripper" in unit:
         factor, gripper_unit = GRIPPER[unit["gripper"]]
         gripper = gripper * factor
-        if gripper_unit == "normalised" and given.get("gripper_closed_is") == "high":
-            gripper = 1.0 - gripper
+        if given.get("gripper_closed_is") == "high":
+            gripper = (1.0 if gripper_unit == "normalised" else np.nanmax(gripper)) - gripper
     times_s = _times_s(recording, unit.get("time"))
     told = recording.timestamps is not None or recording.fps
     camera_s = times_s if told else times_s * np.nan  # a guessed time finds no picture
