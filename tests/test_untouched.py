@@ -74,10 +74,10 @@ def test_what_takes_long_is_computed_once_it_is_asked_for(status, tmp_path, monk
     asked = []
     monkeypatch.setattr(data, "execute", lambda specs, folder: (asked.extend(specs), ([], [
         (spec, NOT_COMPUTED) for spec in specs]))[1])
-    made = cells.execute("few_demonstrations")["made"]
-    assert not asked and len(made.data.missing) == 12 and "12 of 18 runs" in status[-1]
-    cells.execute("few_demonstrations", compute=True)
-    assert len(asked) == 12
+    made = cells.execute("few_demonstrations", seeds=4)["made"]
+    assert not asked and len(made.data.missing) == 6 and "6 of 24 runs" in status[-1]
+    cells.execute("few_demonstrations", seeds=4, compute=True)
+    assert len(asked) == 6
 
 
 def test_where_nothing_is_stored_one_line_says_how_long_it_takes_and_how_to_start_it(status, nothing_computes):
