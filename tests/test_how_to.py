@@ -185,4 +185,4 @@ def test_what_a_commit_adds_is_collected_learnt_and_tried(name, collected, profi
 @pytest.mark.slow
 def test_with_all_commits_every_fast_test_passes_and_no_run_gets_another_hash(tmp_path):
     python = patched(tmp_path / "here", *PAGES)
-    python("pytest", "-q", "-n", 2, "--dist", "loadfile", "-m", "not slow and not browser")
+    python("pytest", "-q", "-n", 2, "--dist", "loadfile", "--no-loadscope-reorder", "-m", "not slow and not browser")

@@ -340,15 +340,16 @@ def words(name: str) -> tuple[str, str, str]:
 def picture(name: str) -> str:
     """A shipped picture, which opens large, with its alternative text and caption; narrow screens show its narrow form.
     """
-    for path in [*SHIPPED.glob(f"{name}.p[nd][gf]"), *SHIPPED.glob(f"{name}{NARROW}.png")]:
-        shutil.copy(path, SOURCE / "_static")
+    has_narrow = (SHIPPED / f"{name}{NARROW}.png").exists()
+    for file in (f"{name}.png", f"{name}.pdf", *[f"{name}{NARROW}.png"] * has_narrow):
+        shutil.copy(SHIPPED / file, SOURCE / "_static")
     caption, _, alt = words(name)
     with Image.open(SHIPPED / f"{name}.png") as image:
         kind, (width, height) = "photograph" if is_photograph(image) else "plot", image.size
     remark = "Light and dark are exchanged in this picture; the large one is as published." if kind == "plot" else ""
     file, alt = f"../_static/{name}", html.escape(" ".join(alt.split()))
     narrow = (f"<source media=\"(max-width: 600px)\" srcset=\"{file}{NARROW}.png\">"
-              if (SHIPPED / f"{name}{NARROW}.png").exists() else "")
+              if has_narrow else "")
     return (f"<figure class=\"picture\"><a href=\"{file}.png\"><picture>{narrow}<img class=\"{kind}\" "
             f"src=\"{file}.png\" width=\"{width}\" height=\"{height}\" alt=\"{alt}\"></picture></a>"
             f"<figcaption class=\"on-dark\">{remark}"

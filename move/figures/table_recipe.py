@@ -20,7 +20,6 @@ from move.statistics.estimates import difference, success_rate
 from move.study.kinds import policy_run
 from move.study.labels import LabelledRun, distinct, grid
 from move.study.profiles import Profile
-from move.study.results import Result
 
 RECIPE_CHANGES: dict[str, dict[str, Any]] = {
     "chosen": {},
@@ -61,11 +60,11 @@ def tables(data: Data) -> dict[str, pd.DataFrame]:
     high, episodes; gain, gain_low, gain_high: success minus the chosen recipe's, paired, NaN where that is missing.
     """
     runs = [(result, result.labels["timesteps"], result.labels["change"]) for result in data.results]
-    chosen = {timesteps: _outcomes(result) for result, timesteps, change in runs if change == "chosen"}
+    chosen = {timesteps: result.successes[None] for result, timesteps, change in runs if change == "chosen"}
     rows = []
     for result, timesteps, change in runs:
         training = result.training or {"curve": [[0, np.nan]]}
-        outcomes = _outcomes(result)
+        outcomes = result.successes[None]
         rate = success_rate(outcomes)
         found = difference(outcomes, chosen[timesteps]) if timesteps in chosen else None
         gain = (found.value, found.low, found.high) if found else (np.nan,) * 3
@@ -74,11 +73,6 @@ def tables(data: Data) -> dict[str, pd.DataFrame]:
                      "value": rate.value, "low": rate.low, "high": rate.high, "episodes": rate.episodes,
                      **dict(zip(("gain", "gain_low", "gain_high"), gain, strict=True))})
     return {"": pd.DataFrame(rows)}
-
-
-def _outcomes(result: Result) -> np.ndarray:
-    """One run's successes, shape (1, episodes)."""
-    return np.array([[row["success"] for row in result.rows]], float)
 
 
 def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:

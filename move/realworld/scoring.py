@@ -24,6 +24,7 @@ from scipy import stats
 from move.errors import BadInput
 from move.paper import PAPER_METHODS, REAL_POINTS
 from move.statistics.intervals import exact_interval
+from move.statistics.paired import mcnemar
 from move.untrusted import read_text, reading
 from move.validation import first_problem
 
@@ -135,6 +136,6 @@ def paired_test(sheet: pd.DataFrame, first: str, second: str, *, rng: np.random.
     gain = stats.permutation_test((b - a,), np.mean, permutation_type="samples", n_resamples=9999, rng=rng)
     return {
         "pairs": len(pairs), "only_first": only_a, "only_second": only_b,
-        "mcnemar": float(stats.binomtest(only_a, only_a + only_b).pvalue) if only_a + only_b else 1.0,
+        "mcnemar": mcnemar(only_a, only_b),
         "score_gain": float((b - a).mean()), "permutation": float(gain.pvalue),
     }

@@ -102,18 +102,17 @@ def detect_units(recordings: Sequence[Recording], given: Mapping[str, str]) -> l
     about = replace(recordings[0], robot=given.get("arm", recordings[0].robot))
     rows = []
     for quantity in UNITS:
-        pieces = [values for recording in recordings if (values := _values(recording, quantity)) is not None]
-        values = np.concatenate([piece.ravel() for piece in pieces]) if pieces else np.empty(0)
-        if np.isfinite(values).any():
+        pieces = [values[np.isfinite(values)] for recording in recordings
+                  if (values := _values(recording, quantity)) is not None and np.isfinite(values).any()]
+        if pieces:
             apart = _alone(quantity, pieces) if quantity in ("joints", "position") else []
-            rows.append(_row(about, quantity, values[np.isfinite(values)], given, apart))
+            rows.append(_row(about, quantity, np.concatenate(pieces), given, apart))
     return rows
 
 
 def _alone(quantity: str, pieces: Sequence[np.ndarray]) -> list[str]:
     """The units that single recordings look like, where these are several."""
-    sizes = (np.nanmax(np.abs(piece)) for piece in pieces if np.isfinite(piece).any())
-    found = sorted({by_size(quantity, float(size)) for size in sizes} - {"unknown"})
+    found = sorted({by_size(quantity, float(np.abs(piece).max())) for piece in pieces} - {"unknown"})
     return found if len(found) > 1 else []
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from move.statistics.estimates import Estimate, difference
@@ -24,13 +26,21 @@ def exact_difference(first: np.ndarray, second: np.ndarray) -> Estimate:
     >>> print(exact_difference(np.array([1] * 5 + [0] * 15), np.zeros(20)))
     0.250 [-0.011, 0.458]
     """
+    one, other = (np.atleast_2d(np.asarray(each, float)) for each in (first, second))
+    usual, won, lost = difference(one, other), int((one > other).sum()), int((one < other).sum())
+    apart, low, high = won + lost, usual.low, usual.high
+    if apart:
+        least, most = (apart / one.size * (2 * share - 1) for share in exact_interval(won, apart))
+        low, high = min(low, least), max(high, most)
+    return replace(usual, low=low, high=high, p_value=mcnemar(won, lost))
+
+
+def mcnemar(won: int, lost: int) -> float:
+    """Exact two-sided p of so many configurations at which the first alone succeeds, and the second alone.
+
+    >>> mcnemar(2, 0), mcnemar(0, 0)
+    (0.5, 1.0)
+    """
     from scipy.stats import binomtest  # slow to import
 
-    one, other = (np.atleast_2d(np.asarray(each, float)) for each in (first, second))
-    usual, apart = difference(one, other), one != other
-    if not apart.any():
-        return Estimate(0.0, usual.low, usual.high, 1, one.size + other.size, usual.trainings, 1.0)
-    won, count = int((one > other).sum()), int(apart.sum())
-    low, high = (count / one.size * (2 * share - 1) for share in exact_interval(won, count))
-    return Estimate(usual.value, min(low, usual.low), max(high, usual.high), 1, one.size + other.size, usual.trainings,
-                    float(binomtest(won, count).pvalue))
+    return float(binomtest(won, won + lost).pvalue) if won + lost else 1.0

@@ -13,6 +13,7 @@ from itertools import count, groupby, repeat
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from move.choices import HASH
@@ -39,6 +40,11 @@ class Result:
     seconds: dict[str, float]  # wall-clock of each part
     provenance: dict
     labels: Mapping[str, Label] = field(default_factory=dict)  # the run's in the experiment that asked; not stored
+
+    @property
+    def successes(self) -> np.ndarray:
+        """Of each episode 1 or 0, (episodes,) float, in the order of the trials."""
+        return np.array([row["success"] for row in self.rows], float)
 
     @property
     def rate(self) -> float:

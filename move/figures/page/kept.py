@@ -66,7 +66,7 @@ def files_of(name: str, folder: Path) -> list[Path]:
 
 
 def _made_of(name: str, data: Data, chosen: Mapping[str, Any]) -> str:
-    versions = {name: version for name, version in deciding().items() if name != "source"}
+    versions = {package: version for package, version in deciding().items() if package != "source"}
     policies = sorted(path.name for path in (data.profile.results / "policies").glob("*"))
     usual = {key: default for key, (_, default) in SHARED.items()}
     own = {key: value for key, value in chosen.items() if key not in usual or value != usual[key]}

@@ -37,5 +37,4 @@ def _cells(profile: Profile, observation: str, grid: bool) -> Iterator[np.ndarra
         seeds.setdefault(result.spec.model_copy(update={"seed": 0}).hash, []).append(result)
     for repeated in seeds.values():
         if len(repeated) > 1:
-            yield np.array([[row["success"] for row in result.rows]
-                            for result in sorted(repeated, key=lambda result: result.spec.seed)], float)
+            yield np.array([result.successes for result in sorted(repeated, key=lambda result: result.spec.seed)])
