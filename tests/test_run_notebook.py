@@ -141,7 +141,7 @@ def test_the_runs_that_are_watched_are_those_without_a_result_each_once(tmp_path
 
 def test_notebooks_are_forks_of_this_process_and_each_ends_as_it_does(tmp_path, monkeypatch):
     monkeypatch.setattr(paths, "RUNS", tmp_path)
-    monkeypatch.setattr(Profile, "results", property(lambda profile: tmp_path / "none"))  # whatever smoke runs there are
+    monkeypatch.setattr(Profile, "results", property(lambda profile: tmp_path / "none"))  # none
     monkeypatch.setattr(kernels, "LOOKS", 0.05)
     missing = kernels.missing_runs("rollouts", SMOKE, {})
     (tmp_path / missing[0]).mkdir()
