@@ -94,6 +94,18 @@ def test_two_stored_runs_by_their_hashes_and_a_run_with_itself(capsys):
     assert code == 0 and "0.0 points" in out
 
 
+@pytest.mark.parametrize("change, says", [
+    ({"success_rate": 0.9}, "success_rate is 0.9, its rows say 0.5"), ({"success_rate": "high"}, "success_rate"),
+    ({"rows": [{"trial": n, "group": "random", "object_x": n / 7, "success": True} for n in range(4)],
+      "success_rate": 1.0}, "did not begin in the same configuration")])
+def test_what_a_file_says_of_itself_and_where_it_began_has_to_fit(capsys, files, change, says):
+    right = printed([1, 0, 1, 0], success_rate=0.5)
+    assert move(capsys, "compare", *files(right, right))[0] == 0
+    for order in (0, 1):
+        code, out, err = move(capsys, "compare", *files(*[right, right | change][:: 1 - 2 * order]))
+        assert code == 2 and says in err and not out
+
+
 @pytest.mark.parametrize("made, said", [
     (HERE, []), (HERE | {"torch": f"{HERE['torch'].split('+')[0]}+cu130"}, []),
     (HERE | {"mujoco": "2.3.7"}, ["1 run with mujoco 2.3.7"]),

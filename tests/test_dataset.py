@@ -223,6 +223,21 @@ def test_without_images_the_state_is_observed(tmp_path):
     assert load(tmp_path / "p.zarr")[0].observations.shape == (50, 9)
 
 
+@pytest.mark.parametrize("offset", [1e7, 1.7e9])
+def test_numbers_that_float32_would_make_one_are_refused(tmp_path, offset):
+    published(tmp_path / "p.zarr", np.ones((50, 4), np.float32), pictures=False)
+    group = zarr.open_group(str(tmp_path / "p.zarr"), mode="a")
+    state = np.random.default_rng(2).normal(size=(50, 9))
+    for shift, refused in ((0.0, False), (offset, True)):
+        del group["data/state"]
+        group.create_array("data/state", data=state + shift * (np.arange(9) == 3))
+        if refused:
+            with pytest.raises(BadInput, match="column 3 differs by .* which float32 rounds away"):
+                load(tmp_path / "p.zarr")
+        else:
+            load(tmp_path / "p.zarr")
+
+
 def test_actions_out_of_range_are_what_they_are_or_clipped_when_asked(tmp_path):
     actions = np.linspace(-9.5, 3.25, 200, dtype=np.float32).reshape(50, 4)
     published(tmp_path / "p.zarr", actions)

@@ -107,6 +107,10 @@ def v2(folder, **options):
     return w.lerobot_v2(folder, episodes=3, codec="libx264", **options)
 
 
+def v2_of_60(folder):
+    return v2(folder, values=lambda n: w.state(n, 60))
+
+
 def v2_table(**columns):
     """Change columns of the second episode's table."""
     return lambda folder: w.change_table(folder / V2.format(1), **columns)
@@ -114,8 +118,16 @@ def v2_table(**columns):
 
 def in_hdf5(change):
     def make(folder):
-        with h5py.File(folder / "episode_0.hdf5", "a") as file:
+        with h5py.File(next(folder.rglob("*.hdf5")), "a") as file:
             change(file)
+
+    return make
+
+
+def names_of_images(names):
+    def make(file):
+        del file["camera/color/cam"]
+        file["camera/color/cam"] = np.array([name.encode() for name in names])
 
     return make
 
@@ -123,7 +135,8 @@ def in_hdf5(change):
 def in_zarr(name, values):
     def make(folder):
         group = zarr.open_group(str(folder / "replay_buffer.zarr"), mode="a")
-        del group[name]
+        if name in group:
+            del group[name]
         group.create_array(name, data=values)
 
     return make
@@ -202,6 +215,20 @@ SPOILT = {  # what is wrong: who writes it, what is changed, which check finds i
     "zarr streams": (w.zarr_buffer, fewer_rows("action"), "streams of an episode are equally long", "action 2"),
     "timesteps that were not recorded": (v2, v2_table(timestamp=(STEPS + 4 * (STEPS > 1)) / 10),
                                          "the rate is the stated one", "./1 lacks 0.4 s after timestep 1"),
+    "a clock that runs 4 % slow": (v2_of_60, v2_table(timestamp=np.arange(60) / 10 * 1.04),
+                                   "the rate is the stated one", "drifts by 0.24 s from 10 Hz"),
+    "a rate of no robot": (v2, about(fps=10_000), "the rate is the stated one", "states 10000 Hz, its steps take 0.1"),
+    "a copy with noise": (v2, v2_table(**{name: w.vectors(np.float32(w.state(0) + 1e-7))
+                                          for name in ("observation.state", "action")}),
+                          "no two episodes are equal", "./1 equals ./0"),
+    "Pika HDF5 images of other times": (
+        w.pika_hdf5, in_hdf5(names_of_images([f"camera/color/cam/{1_700_000_009 + n}.5.jpg" for n in STEPS])),
+        "streams belong to the same time", "camera cam"),
+    "Pika HDF5 of another length": (w.pika_hdf5, in_hdf5(lambda file: file["size"].write_direct(np.array(9))),
+                                    "episodes are as long as stated", "6 timesteps of 9"),
+    "a gripper of two fingers that differ": (
+        w.zarr_buffer, in_zarr("data/gripper", np.column_stack([np.linspace(0, 0.04, 10), np.zeros(10)])),
+        "nothing had to be assumed", "a gripper of 2 columns that differ"),
     "indices of another episode": (v2, v2_table(index=STEPS + 3), INDICES, "./1 begins at 3, ./0 ends at 5"),
     "indices of a shared table twice": (w.lerobot_v3, lambda folder: w.change_table(
         folder / V3, index=[*STEPS, *STEPS, *STEPS]), INDICES, "2: ./1 begins at 0, ./0 ends at 5"),

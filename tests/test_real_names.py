@@ -24,6 +24,10 @@ ROBOTS = {  # names -> limb: joints, pose, gripper
                {"": Columns(tuple(range(7)), (), 7)}),
     "UR": (["shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint", "wrist_1_joint", "wrist_2_joint",
             "wrist_3_joint"], {"": Columns(tuple(range(6)))}),
+    "words from the hand down": ([*reversed(VIPER[:-1]), "gripper"],
+                                 {"": Columns((5, 4, 3, 2, 0, 1), (), 6)}),
+    "a UR from the hand down": (["wrist_3", "wrist_2", "wrist_1", "elbow", "shoulder_pan", "shoulder_lift"],
+                                {"": Columns((4, 5, 3, 2, 1, 0))}),
     "camel case": (["leftArmJoint1", "leftArmJoint2", "leftGripper"], {"left": Columns((0, 1), (), 2)}),
     "speeds and efforts first": (["joint_1.vel", "joint_1.pos", "joint_2.effort", "joint_2.pos"],
                                  {"": Columns((1, 3))}),
@@ -49,7 +53,8 @@ def test_names_of_robots(name):
 
 
 def test_what_names_leave_is_said_and_width_is_asked_only_without_names():
-    assert split_columns(SO101, 6)[1] is None
+    assert split_columns(SO101, 6, piper_order=False)[1] is None
+    assert "from the waist to the wrist" in split_columns(SO101, 6)[1]
     assert "3 of 4 columns are of no arm" in split_columns(["object_x", "u", "v", "joint_1"], 4)[1]
     assert "6 of 6 columns" in split_columns(["a"] * 6, 6)[1]
     arms, note = split_columns([], 6)

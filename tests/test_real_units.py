@@ -114,6 +114,24 @@ def test_a_part_of_its_own_wins_and_closed_can_be_high(tmp_path):
     np.testing.assert_allclose(data.episodes[1].gripper[:3], [1.0, 0.0, 0.75])
 
 
+@pytest.mark.parametrize(("names", "joints", "gripper", "quantity", "note"), [
+    (None, 1.0, 0.14, "gripper", "between the known ranges"), (None, None, 0.07, "joints", "scaled to -1..1"),
+    ("gripper_mm", 1.0, 0.09, "gripper", "names: mm; the numbers look like m"),
+    ("gripper_cm", 1.0, 0.1, "gripper", "names: cm"), ("gripper_percent", 1.0, 1.0, "gripper", "names: percent"),
+    ("gripper_deg", 1.0, 1.5, "gripper", "names: deg"),
+    ("joint_deg", 1.0, 0.07, "joints", "names: deg; the numbers look like rad"),
+    ("joint_mdeg", 180 / np.pi, 0.07, "joints", "names: mdeg; the numbers look like deg")])
+def test_numbers_that_do_not_fit_a_unit_have_none(tmp_path, names, joints, gripper, quantity, note):
+    scale = 1 / np.abs([w.joints(n) for n in range(2)]).max() if joints is None else joints
+    kind, _, unit = (names or "").partition("_")
+    named = names and [*(f"joint_{n}_{unit if kind == 'joint' else 'rad'}" for n in range(1, 7)),
+                       f"gripper_{unit}" if kind == "gripper" else "gripper"]
+    data = open_dataset(source(tmp_path / "d", scale, [0.0, gripper, 0.0], **({"names": named} if named else {})))
+    told = data.units.set_index("quantity").loc[quantity]
+    assert told["unit"] == "unknown" and note in told["note"]
+    assert all(getattr(episode, quantity) is None for episode in data.episodes)
+
+
 def test_half_a_gap_is_cautioned(tmp_path):
     data = open_dataset(source(tmp_path / "d", 1.0, [0.0, 0.035, 0.02]))
     assert "half the gap" in data.units.set_index("quantity").loc["gripper", "note"]

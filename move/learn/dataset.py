@@ -29,6 +29,7 @@ from move.untrusted import bounded_memory, plain_files, within
 from move.untrusted_zarr import missing_chunks, opened_group, plain_array
 
 CHUNK_TIMESTEPS = 256
+FAR, COLLAPSED = 1e3, 1e-5  # from this size on, and below this share of it, a difference is lost in float32
 OBSERVED = ("data/img", "data/keypoints", "data/state")  # the first one that is there
 MARK, DIGEST = "collection", "collection_digest"  # attributes of every data set that is made here
 WRITTEN = re.compile(r"\.z(group|attrs)|(data|meta)/(\.z(group|attrs)|\w+/(\.z(array|attrs)|\d+(\.\d+)*))")  # by `save`
@@ -178,7 +179,24 @@ def _observations(observations: np.ndarray) -> np.ndarray:
     """Images as they are, or numbers as float32."""
     if 0 in observations.shape[1:]:
         raise BadInput(f"observations {observations.shape}; allowed: at least one number a timestep")
-    return observations.astype(np.float32, copy=False) if observations.ndim == 2 else observations
+    if observations.ndim != 2:
+        return observations
+    _refuse_collapsed("observations", observations)
+    return observations.astype(np.float32, copy=False)
+
+
+def _refuse_collapsed(name: str, values: np.ndarray) -> None:
+    """Refuse numbers that differ in float64, far from 0, and by so little that they are one number in float32."""
+    if values.dtype.kind not in "iuf" or values.dtype.itemsize <= 4 or not values.size:
+        return
+    values = values.reshape(len(values), -1).astype(np.float64)
+    with np.errstate(invalid="ignore"):  # what is not finite is refused elsewhere
+        extent, size = np.ptp(values, axis=0), np.abs(values).max(axis=0)
+        collapsed = (size > FAR) & (extent > 1e-12 * size) & (extent < COLLAPSED * size)
+    if collapsed.any():
+        column = int(np.argmax(collapsed))
+        raise BadInput(f"{name}: column {column} differs by {extent[column]:.3g} around {size[column]:.3g}, which "
+                       "float32 rounds away; allowed: numbers from which such an offset is taken")
 
 
 def task_of(attributes: dict[str, Any]) -> str:
@@ -194,6 +212,7 @@ def _actions(actions: np.ndarray, clip: bool) -> np.ndarray:
         raise BadInput("data/action holds true and false; allowed: numbers")
     if 0 in actions.shape[1:]:
         raise BadInput(f"actions {actions.shape}; allowed: at least one number a timestep")
+    _refuse_collapsed("actions", actions)
     with np.errstate(over="ignore"):  # what float32 cannot hold is infinite, and refused
         actions = actions.astype(np.float32, copy=False)
     if not np.isfinite(actions).all():

@@ -21,7 +21,7 @@ _NO_PLACE = {"vel", "velocity", "speed", "acc", "acceleration", "effort", "torqu
 _NO_ARM = {"leg", "hip", "knee", "ankle", "foot", "head", "neck", "torso", "hand", "finger", "thumb", "object", "cube"}
 _OF_A_POSE = {"eef", "ee", "end", "effector", "endpose", "tcp", "pose", "pos", "position", "rot", "rotation", "euler",
               "flange", "arm", "sim", "observation", "state", *_SIDES, *_GRIPPER}
-_JOINT_WORDS = {"shoulder", "elbow", "wrist", "forearm", "waist"}
+_JOINT_WORDS = ("waist", "shoulder", "elbow", "forearm", "wrist")  # from the base to the hand
 _JOINT = re.compile(r"(?:^|_)(?:joint|motor|axis|j)_?(\d+)(?:_|$)")
 _LIMB = re.compile(r"(?:^|_)((?:arm|robot|follower|puppet)_?\d+|leader|master)_")
 
@@ -61,14 +61,18 @@ def split_columns(names: Sequence[str], width: int, *, piper_order: bool = True
     Args:
         names: one name a column, or none.
         width: number of columns found in the data.
-        piper_order: whether a state without names may be PIPER's.
+        piper_order: whether the arm may be PIPER's, whose joints have an order.
 
     Returns:
         limb ("", "left", "right", "arm_1", ...) -> columns, and a note where something had to be assumed or is left.
     """
     if len(names) == width:
         arms, left = _by_name(names)
-        return arms, f"{left} of {width} columns are of no arm by their names: kept as stored" if left else None
+        notes = [f"{left} of {width} columns are of no arm by their names: kept as stored"] * bool(left)
+        joints = [names[column] for arm in arms.values() for column in arm.joints]
+        if piper_order and any(not _JOINT.search("_".join(words(name))) for name in joints):
+            notes.append("joints named by words are taken from the waist to the wrist, else as stored")
+        return arms, "; ".join(notes) or None
     what = f"state of {width} columns with " + (f"{len(names)} names" if names else "no names")
     arms = _by_width(width) if piper_order else {}
     return arms, f"{what}: " + ("order assumed from the width" if arms else "kept as stored; for PIPER's arm 6, 7, 12, "
@@ -112,18 +116,25 @@ def _meaning(found: list[str]) -> tuple[str, str] | None:
         return "gripper", ""
     if number := _JOINT.search("_".join(body)):
         return "joint", number.group(1)
-    return ("joint", "_".join(body)) if set(body) & _JOINT_WORDS and body[-1] not in POSE[:3] else None
+    return ("joint", "_".join(body)) if set(body) & set(_JOINT_WORDS) and body[-1] not in POSE[:3] else None
 
 
 def _columns(parts: dict[tuple[str, str], int | None]) -> Columns:
-    """The columns of one limb; joints with numbers are in the order of these, others as they are stored."""
+    """The columns of one limb; joints with numbers are in the order of these, others from the waist to the wrist."""
     joints = {place: column for (kind, place), column in parts.items() if kind == "joint"}
-    order = sorted(joints, key=int) if all(place.isdigit() for place in joints) else list(joints)
+    order = sorted(joints, key=int if all(place.isdigit() for place in joints) else _from_the_base)
     pose = [parts.get(("pose", axis)) for axis in POSE]
     known = [column for column in map(joints.get, order) if column is not None]
     return Columns(tuple(known) if len(known) == len(order) else (),
                    tuple(column for column in pose if column is not None) if None not in pose else (),
                    parts.get(("gripper", "")))
+
+
+def _from_the_base(joint: str) -> tuple[int, int]:
+    """Where a joint named by words stands along an arm: by its word, then by its number."""
+    found = joint.split("_")
+    rank = next((rank for rank, word in enumerate(_JOINT_WORDS) if word in found), len(_JOINT_WORDS))
+    return rank, next((int(word) for word in found if word.isdigit()), 0)
 
 
 def _by_width(width: int) -> dict[str, Columns]:

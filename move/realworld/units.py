@@ -47,11 +47,15 @@ RANGES = {
     "time": ((0.002, 1.0, "s"), (2.0, 1e3, "ms"), (2e3, 1e6, "us"), (2e6, 1e9, "ns")),
     "joints": _ANGLES, "rotation": _ANGLES,
     "position": ((0.0, 2.0, "m"), (100.0, 2000.0, "mm"), (2000.0, np.inf, "um")),  # below 100 it may be cm
-    "gripper": ((0.0, 0.11, "m"), (0.11, 1.05, "normalised"), (1.2, 1.8, "pika_rad"), (50.0, 200.0, "mm"),
+    "gripper": ((0.0, 0.11, "m"), (0.5, 1.05, "normalised"), (1.2, 1.8, "pika_rad"), (50.0, 200.0, "mm"),
                 (1000.0, np.inf, "um")),
 }
-MOST = {"percent": 120.0, "rad": 6.3, "deg": 360.0, "normalised": 1.2}  # of a gripper whose name states the unit
+# quantity -> stated unit -> the largest absolute value of a whole part lies within these, or the unit is not theirs
+BOUNDS = {"gripper": {"percent": (1.2, 120.0), "rad": (0.0, 6.3), "deg": (1.8, 360.0), "normalised": (0.0, 1.2),
+                      "cm": (0.2, 20.0)}, "position": {"cm": (2.0, 200.0)}}
+FASTEST_HZ = 1000.0  # a stated rate above it tells no unit of time
 PER_CENT = 100.0
+SCALED_TO_ONE = 1e-4  # how near 1 the largest of numbers that were scaled to -1..1 is
 MOTOR_COUNTS = 4096  # a turn of a hobby motor, which may be stored as it is read
 NAME_IT = "name it in a units file"
 _IN_PER_CENT = re.compile(r"so[-_]?10[01]|koch|lekiwi|moss|omx", re.IGNORECASE)  # LeRobot's arms of hobby motors
@@ -155,7 +159,7 @@ def _row(about: Recording, quantity: str, values: np.ndarray, given: Mapping[str
 
     if quantity in given:
         return row(given[quantity], "units file")
-    if quantity == "time" and about.fps and (stated := _by_rate(largest * about.fps)):
+    if quantity == "time" and about.fps and about.fps <= FASTEST_HZ and (stated := _by_rate(largest * about.fps)):
         return row(stated, "the stated rate")
     sized, hint, by = by_size(quantity, largest), about.hints.get(quantity), "names"
     if quantity == "gripper" and hint is None and _IN_PER_CENT.search(about.robot or ""):
@@ -179,6 +183,8 @@ def _row(about: Recording, quantity: str, values: np.ndarray, given: Mapping[str
 
 def _may_be_else(about: Recording, quantity: str, sized: str, largest: float) -> str:
     """As what else numbers may be read than as what they look like; "" where as nothing else."""
+    if quantity == "joints" and sized == "rad" and abs(largest - 1) <= SCALED_TO_ONE:
+        return "radians, or scaled to -1..1"
     if is_piper(about.robot) or quantity not in ("joints", "gripper"):
         return ""
     if sized in ("mdeg", "um") and (about.robot or largest <= MOTOR_COUNTS):
@@ -191,10 +197,10 @@ def _may_be_else(about: Recording, quantity: str, sized: str, largest: float) ->
 
 
 def _contradict(quantity: str, hint: str, sized: str, largest: float) -> bool:
-    """Whether the numbers are too large for the stated unit (small numbers never contradict a name)."""
-    order = [unit for _, _, unit in RANGES[quantity]]
-    larger = hint in order and sized in order and order.index(sized) > order.index(hint)
-    return larger or quantity == "gripper" and largest > MOST.get(hint, np.inf)
+    """Whether the numbers of a whole part are too large or too small for the stated unit."""
+    low, high = BOUNDS.get(quantity, {}).get(hint, (0.0, np.inf))
+    known = {unit for _, _, unit in RANGES[quantity]}
+    return bool(largest) and (not low <= largest <= high or {hint, sized} <= known and hint != sized)
 
 
 def convert(recording: Recording, rows: Sequence[UnitRow], given: Mapping[str, str], method: str) -> RobotEpisode:

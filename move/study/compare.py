@@ -22,6 +22,8 @@ from move.validation import first_problem
 
 PLACE = tuple(SpatialConfiguration((0, 0, 0), (0, 0, 0), (0, 0, 0), 0).columns())
 
+IN_EVERY_ROW = {"object_x", "object_y"}  # stored runs leave out what their specification gives again
+
 
 class _Row(BaseModel):
     """What is used of one episode; the others of its columns may be anything."""
@@ -49,6 +51,7 @@ class _File(BaseModel):
 
     task: Annotated[str, Field(pattern=r"^[\w-]{1,100}$")]
     rows: list[dict[str, Any]] = Field(min_length=1)
+    success_rate: float | None = None
     provenance: _Provenance = _Provenance()  # which earlier versions did not print
 
 
@@ -118,7 +121,11 @@ def _of_file(given: str, path: Path, about: dict[str, Any]) -> Evaluated:
         found = _File.model_validate(about)
     except ValidationError as problem:
         raise BadInput(f"{path}: {first_problem(problem)}; allowed is what `move evaluate --json` prints") from problem
-    return _evaluated(given, found.task, found.rows, found.provenance.model_dump())
+    evaluated = _evaluated(given, found.task, found.rows, found.provenance.model_dump())
+    rate = sum(bool(row["success"]) for row in found.rows) / len(found.rows)
+    if found.success_rate is not None and abs(found.success_rate - rate) > 1e-9:
+        raise BadInput(f"{path}: success_rate is {found.success_rate:g}, its rows say {rate:g}")
+    return evaluated
 
 
 def _evaluated(given: str, task: str, rows: list[dict[str, Any]], provenance: dict[str, Any]) -> Evaluated:
@@ -139,7 +146,7 @@ def _row(row: dict[str, Any], given: str) -> _Row:
 def _begin_alike(row: _Row, paired: _Row) -> bool:
     """Whether two episodes have the same number, group and configuration, by the columns that both have."""
     shared = row.place.keys() & paired.place.keys()
-    return bool(shared) and (row.trial, row.group) == (paired.trial, paired.group) and all(
+    return shared >= IN_EVERY_ROW and (row.trial, row.group) == (paired.trial, paired.group) and all(
         row.place[name] == paired.place[name] for name in shared)
 
 

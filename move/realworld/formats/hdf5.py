@@ -150,8 +150,12 @@ def _pika(part: Part, ref: EpisodeRef, file: h5py.File, path: Path) -> Recording
         "gripper": gripper, "action": _recorded(file, "arm/jointStatePosition/master"),
         "timestamps": _recorded(file, "timestamp"),
     }
-    cameras = {name: _pika_camera(path, data) for name, data in file.get("camera/color", {}).items()}
-    return make_recording(part, ref, streams, source=path, cameras=cameras, notes=notes, hints=hints)
+    colour = file.get("camera/color", {})
+    cameras = {name: _pika_camera(path, data) for name, data in colour.items()}
+    stamps = {f"camera {name}": times for name, data in colour.items() if (times := _pika_stamps(data)) is not None}
+    stated = np.ravel(_values(file, "size"))[:1].tolist() if "size" in file else []
+    return make_recording(part, replace(ref, timesteps=int(stated[0])) if stated else ref, streams, source=path,
+                          cameras=cameras, notes=notes, hints=hints, own_times=stamps)
 
 
 def _pika_camera(path: Path, data: h5py.Dataset) -> Frames:
@@ -161,6 +165,14 @@ def _pika_camera(path: Path, data: h5py.Dataset) -> Frames:
     if data.dtype.kind not in "OS":
         raise BadInput(f"{path}:{data.name}: found {data.dtype} {data.shape}; expected names of images")
     return from_files([inside(path.parent, name.decode() if isinstance(name, bytes) else str(name)) for name in data])
+
+
+def _pika_stamps(data: h5py.Dataset) -> np.ndarray | None:
+    """The times that a camera's images are named by, (T,) s; None where their names are no numbers."""
+    if data.ndim > 1:
+        return None
+    stems = [PurePosixPath(name.decode() if isinstance(name, bytes) else str(name)).stem for name in data]
+    return np.array(stems, float) if all(re.fullmatch(r"\d{9,}(\.\d+)?", stem) for stem in stems) else None
 
 
 def _act(part: Part, ref: EpisodeRef, file: h5py.File, path: Path) -> Recording:

@@ -74,16 +74,21 @@ def _store(part: Part) -> Path:
 def read(part: Part, ref: EpisodeRef) -> Recording:
     """Read the rows of one episode; images only when asked for."""
     path, arrays, rows = _store(part), ref.place["arrays"], ref.place["rows"]
-    streams = {}
+    streams: dict[str, np.ndarray | None] = {}
     with reading(path, EXPECTED), opened_group(path) as group:
         for stream, names in STREAMS.items():
             if key := next((name for name in names if name in arrays), None):
                 streams[stream] = np.asarray(plain_array(group, f"data/{key}")[rows])
-    if "gripper" in streams:
-        streams["gripper"] = streams["gripper"].reshape(len(streams["gripper"]), -1)[:, 0]
+    notes = []
+    if (fingers := streams.get("gripper")) is not None:
+        fingers = fingers.reshape(len(fingers), -1)
+        alike = np.array_equal(fingers, np.repeat(fingers[:, :1], fingers.shape[1], axis=1), equal_nan=True)
+        streams["gripper"] = fingers[:, 0] if alike else None
+        if not alike:
+            notes.append(f"a gripper of {fingers.shape[1]} columns that differ: not read")
     cameras = {key: _frames(path, key, range(shape[0])[rows]) for key, shape in arrays.items() if len(shape) == 4}
     simulated, videos = set(arrays) >= SIMULATION, _videos(part, ref)
-    notes = ["simulation data: the state is not a robot's joints, and is kept as stored"] if simulated else []
+    notes += ["simulation data: the state is not a robot's joints, and is kept as stored"] if simulated else []
     notes += ["videos begin at their episode's first timestep: assumed"] if videos else []
     return make_recording(part, ref, streams, source=part.root, cameras=cameras | videos, notes=notes,
                           gaps=ref.place["gaps"], simulated=simulated or None)
