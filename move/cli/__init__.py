@@ -14,6 +14,7 @@ output.py       tables, JSON, bars, paths
 
 from __future__ import annotations
 
+import gc
 import io
 import os
 import sys
@@ -29,10 +30,12 @@ from move.errors import BadInput
 __all__ = ["app", "by_hand", "coverage", "main", "study", "teaching"]
 
 INTERRUPTED = 130  # exit code after Ctrl-C
+COLLECTED_AT = (100_000, 20, 50)  # objects: stored results are a million small ones, none in a cycle
 
 
 def main() -> None:
     """Run the command line; turn every kind of bad input into one line and exit code 2."""
+    gc.set_threshold(*COLLECTED_AT)
     _open_standard_streams()
     if not sys.warnoptions:
         warnings.filterwarnings("ignore", category=UserWarning, module="gymnasium|metaworld")

@@ -10,7 +10,6 @@ from functools import cache
 
 import numpy as np
 import pandas as pd
-from scipy.optimize import root
 from scipy.special import expit
 
 from move.statistics.estimates import TrainingNoise, rate_interval, training_noise_of
@@ -89,6 +88,8 @@ def _logits(rate: float, deviation: float) -> tuple[float, float]:
     Raises:
         ValueError: no centre and slope do, as for a deviation that a rate cannot have.
     """
+    from scipy.optimize import root  # slow to import
+
     def missed(given: np.ndarray) -> np.ndarray:
         over = expit(given[0] + given[1] * _NODES[:, None] + DIFFICULTY * _NODES[None]) @ _WEIGHTS
         mean = _WEIGHTS @ over
