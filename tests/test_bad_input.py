@@ -81,6 +81,8 @@ COMMANDS = [
     (("collect", "--method", "mixture"), "a mixture of nothing"),
     (("collect", "--method", "mixture", "--shares", "static=nan,move=0.5"), "shares"),
     (("collect", "--method", "mixture", "--shares", "static=0.5,move=0.6"), "shares add up to 1.1"),
+    (("collect", "--method", "mixture", "--shares", "static=0.5,move=0.1,move=0.5"), "methods, each once"),
+    (("placements", "--within", "1_0,0,4_0,3_0"), "within: '1_0,0,4_0,3_0' given"),
     (("collect", "--shares", "static=0.5,move=0.5"), "shares given for method 'move'; allowed with mixture"),
     (("collect", "--seed", "-1"), "--seed"),
     (("collect", "--seed", str(10**30)), "--seed"),

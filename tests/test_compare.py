@@ -96,6 +96,7 @@ def test_two_stored_runs_by_their_hashes_and_a_run_with_itself(capsys):
 
 @pytest.mark.parametrize("change, says", [
     ({"success_rate": 0.9}, "success_rate is 0.9, its rows say 0.5"), ({"success_rate": "high"}, "success_rate"),
+    ({"success_rate": float("nan")}, "success_rate"), ({"episodes": 20}, "episodes is 20, it has 4 rows"),
     ({"rows": [{"trial": n, "group": "random", "object_x": n / 7, "success": True} for n in range(4)],
       "success_rate": 1.0}, "did not begin in the same configuration")])
 def test_what_a_file_says_of_itself_and_where_it_began_has_to_fit(capsys, files, change, says):

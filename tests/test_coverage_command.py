@@ -82,6 +82,27 @@ def test_an_arm_that_tells_only_its_joints_has_no_places_and_is_refused(tmp_path
         grasps(str(tmp_path / "arm"))
 
 
+POSED = ["x", "y", "z", "roll", "pitch", "yaw", "gripper"]
+
+
+def posed(folder, *, apart=0.02, **about):
+    """A set of an arm that tells its pose, in m; of two episodes that are so far apart."""
+    return w.lerobot_v2(folder, names=POSED, dtype=np.float64, values=lambda n: np.column_stack(
+        [w.pose() + apart * n, np.where(np.arange(w.STEPS) < 3, 0.9, 0.1)]), **about)
+
+
+def test_what_places_rest_on_is_said(tmp_path, monkeypatch, capsys):
+    for name, arm, apart in (("a", "ur5", 0.02), ("b", "panda", 0.03)):
+        posed(tmp_path / "two" / name, robot_type=arm, apart=apart)
+    posed(tmp_path / "twice", robot_type="ur5", apart=0)
+    doubts = {name: "; ".join(grasps(str(tmp_path / name)).doubts) for name in ("two", "twice")}
+    assert "taken as places in one frame: a (ur5), b (panda)" in doubts["two"] and "b/1 equals" not in doubts["two"]
+    assert "./1 equals ./0" in doubts["twice"] and "one frame" not in doubts["twice"]
+    assert all("0 taken as closed" in line for line in doubts.values())
+    code, out, _ = coverage(monkeypatch, capsys, str(tmp_path / "twice"), "--json", "--within", "-20,-20,80,80")
+    assert code == 0 and json.loads(out)["doubts"] == doubts["twice"]
+
+
 def coverage(monkeypatch, capsys, *arguments: str) -> tuple[int, str, str]:
     monkeypatch.setattr("sys.argv", ["move", "coverage", *arguments])
     with pytest.raises(SystemExit) as ended:

@@ -232,7 +232,7 @@ def test_numbers_that_float32_would_make_one_are_refused(tmp_path, offset):
         del group["data/state"]
         group.create_array("data/state", data=state + shift * (np.arange(9) == 3))
         if refused:
-            with pytest.raises(BadInput, match="column 3 differs by .* which float32 rounds away"):
+            with pytest.raises(BadInput, match="50 numbers of column 3, .* in float32"):
                 load(tmp_path / "p.zarr")
         else:
             load(tmp_path / "p.zarr")

@@ -226,9 +226,10 @@ SPOILT = {  # what is wrong: who writes it, what is changed, which check finds i
         "streams belong to the same time", "camera cam"),
     "Pika HDF5 of another length": (w.pika_hdf5, in_hdf5(lambda file: file["size"].write_direct(np.array(9))),
                                     "episodes are as long as stated", "6 timesteps of 9"),
-    "a gripper of two fingers that differ": (
-        w.zarr_buffer, in_zarr("data/gripper", np.column_stack([np.linspace(0, 0.04, 10), np.zeros(10)])),
-        "nothing had to be assumed", "a gripper of 2 columns that differ"),
+    "HDF5 episodes that are not there": (
+        lambda folder: [w.act_hdf5(folder / "d"), folder][1],
+        lambda folder: [shutil.copy(folder / "d/episode_0.hdf5", folder / f"d/episode_{n}.hdf5") for n in (2, 10)],
+        WHOLE, "8: d: no episode 1; d: no episode 3"),
     "indices of another episode": (v2, v2_table(index=STEPS + 3), INDICES, "./1 begins at 3, ./0 ends at 5"),
     "indices of a shared table twice": (w.lerobot_v3, lambda folder: w.change_table(
         folder / V3, index=[*STEPS, *STEPS, *STEPS]), INDICES, "2: ./1 begins at 0, ./0 ends at 5"),
@@ -375,3 +376,25 @@ def test_paper_numbers_agree_with_themselves():
     for cell in TABLE3_REAL.itertuples():
         assert 100 * cell.successes / 30 == pytest.approx(cell.printed_success_percent, abs=0.05)
         assert cell.score / 90 == pytest.approx(cell.printed_score, abs=0.001)
+
+
+RIGHT = {  # write, change, check: nothing is wrong with it
+    "a wall clock in the state": (lambda folder: v2(folder, names=[*w.NAMES, "wall_clock"], width=8, values=lambda n:
+                                  np.column_stack([w.state(n), 1.7e9 + 60 * n + STEPS])), None,
+                                  "no two episodes are equal"),
+    "one late frame": (v2, v2_table(timestamp=STEPS / 10 + 0.06 * (STEPS == 3)), "the rate is the stated one"),
+    "stamps rounded to 10 ms": (lambda folder: v2(folder, fps=30, values=lambda n: w.state(n, 60)), lambda folder: [
+        w.change_table(folder / V2.format(n), timestamp=np.round(np.arange(60) / 30, 2)) for n in range(3)],
+        "the rate is the stated one"),
+    "images named by nine digits": (w.pika_hdf5, in_hdf5(names_of_images([
+        f"camera/color/cam/{n:09d}.jpg" for n in STEPS])), "streams belong to the same time"),
+}
+
+
+@pytest.mark.parametrize("what", RIGHT)
+def test_what_is_right_is_not_found_wrong(tmp_path, what):
+    write, change, name = RIGHT[what]
+    folder = write(tmp_path / "d")
+    if change:
+        change(folder)
+    assert outcomes(open_dataset(folder))[name] != "differs"

@@ -8,11 +8,12 @@ import h5py
 import numpy as np
 import pytest
 import real_writers as w
+import zarr
 
 from move import paths
 from move.errors import BadInput
 from move.learn import dataset
-from move.realworld import open_dataset
+from move.realworld import check_dataset, open_dataset
 from move.realworld.detect import detect
 from move.sim.demonstrations import Demonstrations
 
@@ -50,7 +51,7 @@ READ = {  # layout: writer, joints, pose, gripper, action, camera with a frame's
                            MASTER[:-1], ("camera_top", 4), "the right one moves most"),
     **{f"zarr {number}, {'zip' if zipped else 'folder'}": (
         lambda f, number=number, zipped=zipped: w.zarr_buffer(f, zarr_format=number, zipped=zipped),
-        w.joints(0, 10)[:6], w.pose(10)[:6], None, w.state(0, 10)[:6], None, "") for number in (2, 3)
+        w.joints(0, 10)[:6], w.pose(10)[:6], None, w.state(0, 10)[:6], None, "as roll, pitch, yaw") for number in (2, 3)
        for zipped in (False, True)},
     "authors' zarr": (lambda f: w.zarr_buffer(f, simulation=True), None, None, None, w.state(0, 10)[:6], ("img", 5),
                       "simulation data"),
@@ -232,3 +233,73 @@ def test_the_how_to_pages_ten_lines_make_a_buffer_of_every_layout(tmp_path, layo
     (w.pika_tree, np.hstack([w.state(), w.pose()])), (w.zarr_buffer, np.hstack([w.joints(0, 10)[:6], w.pose(10)[:6]]))])
 def test_the_state_of_layouts_without_one_is_all_that_the_arm_told(tmp_path, write, state):
     np.testing.assert_allclose(open_dataset(write(tmp_path / "d")).episodes[0].state, state, atol=1e-12)
+
+
+@pytest.mark.parametrize(("second", "read"), [(lambda g: g, True), (lambda g: g + 1e-10, True),
+                                              (lambda g: -g, False), (lambda g: 0 * g, False)])
+def test_a_zarr_gripper_of_two_fingers_is_one_where_they_are_alike(tmp_path, second, read):
+    folder, gripper = w.zarr_buffer(tmp_path / "d"), np.linspace(0.01, 0.04, 10)
+    zarr.open_group(str(folder / "replay_buffer.zarr"), mode="a").create_array(
+        "data/gripper", data=np.column_stack([gripper, second(gripper)]))
+    episode = open_dataset(folder).episodes[0]
+    assert (episode.gripper is not None) == read
+    assert any("2 columns that differ" in note for note in episode.notes) != read
+
+
+def in_arms(folder, names):
+    """Rename the arms of a Pika HDF5 episode; all but the first move."""
+    with h5py.File(folder / "episode0/data.hdf5", "a") as file:
+        for name in ("puppet", "master"):
+            del file[f"arm/jointStatePosition/{name}"]
+        for number, name in enumerate(names):
+            file[f"arm/jointStatePosition/{name}"] = w.state() + number / 10
+
+
+@pytest.mark.parametrize(("names", "read", "action", "note"), [
+    (["puppetLeft", "puppetRight", "masterLeft"], 0, 2, "of puppetLeft, puppetRight puppetLeft is read"),
+    (["master_right", "puppet_right"], 1, 0, ""), (["master"], 0, 0, "master, the leader, is read"),
+    (["puppet", "master"], 0, 1, "")])
+def test_of_pikas_arms_the_one_that_follows_is_read_and_others_are_named(tmp_path, names, read, action, note):
+    in_arms(folder := w.pika_hdf5(tmp_path / "d"), names)
+    episode = open_dataset(folder).episodes[0]
+    np.testing.assert_allclose(episode.joints, (w.state() + read / 10)[:, :6])
+    np.testing.assert_allclose(episode.action, w.state() + action / 10)
+    assert any(note in each for each in episode.notes) if note else not episode.notes
+
+
+def test_a_pose_with_a_quaternion_is_not_read_as_angles(tmp_path):
+    folder, turned = w.pika_hdf5(tmp_path / "d"), np.tile([0.2, 0.1, 0.3, 0.5, 0.5, 0.5, 0.5], (w.STEPS, 1))
+    with h5py.File(folder / "episode0/data.hdf5", "a") as file:
+        del file["arm/endPose/puppet"]
+        file["arm/endPose/puppet"] = turned
+    episode = open_dataset(folder).episodes[0]
+    assert episode.end_effector is None and "the pose has a quaternion: not read" in episode.notes
+
+
+def test_hdf5_episodes_have_the_numbers_of_their_files(tmp_path):
+    folder = w.act_hdf5(tmp_path / "d")
+    for number in (2, 10):
+        with h5py.File(folder / "episode_0.hdf5") as one, h5py.File(folder / f"episode_{number}.hdf5", "w") as other:
+            for name in one:
+                one.copy(name, other)
+            other["observations/qpos"][:] += number / 100
+    episodes = open_dataset(folder, episodes=[2, 10]).episodes
+    assert [episode.index for episode in episodes] == [2, 10]
+    np.testing.assert_allclose(episodes[0].joints, w.joints() + 0.02, atol=1e-6)
+
+
+def test_a_gripper_without_columns_is_refused_in_a_line(tmp_path):
+    folder = w.zarr_buffer(tmp_path / "d")
+    zarr.open_group(str(folder / "replay_buffer.zarr"), mode="a").create_array("data/gripper", data=np.empty((10, 0)))
+    with pytest.raises(BadInput, match="gripper is float64"):
+        open_dataset(folder)
+
+
+def test_fewer_names_of_images_than_timesteps_are_told(tmp_path):
+    folder = w.pika_hdf5(tmp_path / "d")
+    with h5py.File(folder / "episode0/data.hdf5", "a") as file:
+        del file["camera/color/cam"]
+        names = [f"camera/color/cam/{1_700_000_000 + n / 30}.jpg" for n in range(4)]
+        file["camera/color/cam"] = np.array([name.encode() for name in names])
+    assert {check.name: check.outcome for check in check_dataset(open_dataset(folder))}[
+        "every timestep has its frames"] == "differs"

@@ -7,7 +7,7 @@ import real_writers as w
 
 from move.realworld import check_dataset, open_dataset
 from move.realworld.state_columns import Columns, split_columns
-from move.realworld.workspace import path_table, positions, why_no_positions
+from move.realworld.workspace import joint_table, path_table, positions, why_no_positions
 
 SO101 = [f"{name}.pos" for name in ("shoulder_pan", "shoulder_lift", "elbow_flex", "wrist_flex", "wrist_roll",
                                     "gripper")]
@@ -28,6 +28,7 @@ ROBOTS = {  # names -> limb: joints, pose, gripper
                                  {"": Columns((5, 4, 3, 2, 0, 1), (), 6)}),
     "a UR from the hand down": (["wrist_3", "wrist_2", "wrist_1", "elbow", "shoulder_pan", "shoulder_lift"],
                                 {"": Columns((4, 5, 3, 2, 1, 0))}),
+    "a gripper that says how closed it is": (["joint_1", "joint_2", "gripper_closedness"], {"": Columns((0, 1))}),
     "camel case": (["leftArmJoint1", "leftArmJoint2", "leftGripper"], {"left": Columns((0, 1), (), 2)}),
     "speeds and efforts first": (["joint_1.vel", "joint_1.pos", "joint_2.effort", "joint_2.pos"],
                                  {"": Columns((1, 3))}),
@@ -186,3 +187,22 @@ def test_joints_of_a_layout_that_names_no_arm_may_be_per_cent_too(tmp_path):
         file["observations/qpos"][:, :6] = np.rad2deg(w.joints())
     told = open_dataset(folder).units.set_index("quantity")
     assert told.loc["joints", "unit"] == "unknown" and "degrees or -100..100" in told.loc["joints", "note"]
+
+
+def test_joints_keep_their_names_and_the_leader_is_not_read(tmp_path):
+    names = ["elbow_flex", "gripper", "shoulder_lift", "shoulder_pan", "wrist_flex", "wrist_roll"]
+    values = np.radians([20, 57, 10, 30, 40, 50]) + np.linspace(0, 0.1, w.STEPS)[:, None]
+    table = joint_table(open_dataset(arm(tmp_path / "a", values, names, "koch", ), units_file=said(
+        tmp_path, "joints: rad")).episodes)
+    first = table[(table["index"] == 0) & (table.time_s == 0)].set_index("joint").degrees.round(3).to_dict()
+    assert first == {"elbow_flex": 20, "shoulder_lift": 10, "shoulder_pan": 30, "wrist_flex": 40, "wrist_roll": 50}
+    names = [*(f"leader_joint_{n}" for n in range(1, 4)), *(f"joint_{n}" for n in range(1, 4))]
+    both = np.hstack([swing(2.0, 3), swing(0.5, 3)])
+    followed = open_dataset(arm(tmp_path / "b", both, names, "ur5")).episodes[0]
+    np.testing.assert_allclose(followed.joints, both[:, 3:])
+
+
+def said(folder, line):
+    """A units file."""
+    (folder / "units.yaml").write_text(f"'*': {{{line}}}")
+    return folder / "units.yaml"

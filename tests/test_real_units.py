@@ -117,7 +117,12 @@ def test_a_part_of_its_own_wins_and_closed_can_be_high(tmp_path):
 @pytest.mark.parametrize(("names", "joints", "gripper", "quantity", "note"), [
     (None, 1.0, 0.14, "gripper", "between the known ranges"), (None, None, 0.07, "joints", "scaled to -1..1"),
     ("gripper_mm", 1.0, 0.09, "gripper", "names: mm; the numbers look like m"),
-    ("gripper_cm", 1.0, 0.1, "gripper", "names: cm"), ("gripper_percent", 1.0, 1.0, "gripper", "names: percent"),
+    ("gripper_cm", 1.0, 0.1, "gripper", "names: cm"), ("gripper_m", 1.0, 5.0, "gripper", "names: m"),
+    ("joint_rad", 300.0, 0.07, "joints", "names: rad; the numbers are up to 480.3"), ("joint_rad", 5.0, 0.07, "joints",
+                                                                                   "names: rad"),
+    ("joint_mrad", 1.0, 0.07, "joints", "names: mrad, no unit of it"),
+    ("gripper_centimeters", 1.0, 0.09, "gripper", "names: cm"), (None, 1.0, 100.0, "gripper", "mm or per cent"),
+    ("gripper_percent", 1.0, 1.0, "gripper", "names: percent"),
     ("gripper_deg", 1.0, 1.5, "gripper", "names: deg"),
     ("joint_deg", 1.0, 0.07, "joints", "names: deg; the numbers look like rad"),
     ("joint_mdeg", 180 / np.pi, 0.07, "joints", "names: mdeg; the numbers look like deg")])
@@ -130,6 +135,43 @@ def test_numbers_that_do_not_fit_a_unit_have_none(tmp_path, names, joints, gripp
     told = data.units.set_index("quantity").loc[quantity]
     assert told["unit"] == "unknown" and note in told["note"]
     assert all(getattr(episode, quantity) is None for episode in data.episodes)
+
+
+@pytest.mark.parametrize(("stated", "change", "quantity", "note"), [
+    ("rad", lambda values, n: values * np.where(np.arange(7) < 6, 1 if n else 180 / np.pi, 1), "joints",
+     "single episodes look like deg and like rad"),
+    (None, lambda values, n: values * np.where(np.arange(7) < 6, 1, 1 if n else 10), "gripper",
+     "single episodes look like m and like normalised"),
+    (None, lambda values, n: values * np.where(np.arange(7) == 3, 500, 1), "joints", "joint 4 is up to")])
+def test_numbers_of_two_units_have_none(tmp_path, stated, change, quantity, note):
+    names = [*(f"joint_{n}{f'_{stated}' if stated else ''}" for n in range(1, 7)), "gripper"]
+    data = open_dataset(w.lerobot_v2(tmp_path / "d", names=names, dtype=np.float64,
+                                     values=lambda n: change(w.state(n), n)))
+    told = data.units.set_index("quantity").loc[quantity]
+    assert told["unit"] == "unknown" and note in told["note"]
+
+
+def test_a_units_file_is_followed_and_held_against_the_numbers(tmp_path):
+    (tmp_path / "units.yaml").write_text("'*': {joints: deg}")
+    data = open_dataset(w.lerobot_v2(tmp_path / "d"), units_file=tmp_path / "units.yaml")
+    told = data.units.set_index("quantity").loc["joints"]
+    assert told["unit"] == "deg" and "the numbers are up to 1.6" in told["note"]
+    np.testing.assert_allclose(data.episodes[0].joints, np.radians(w.joints()), rtol=1e-6)
+
+
+def test_numbers_of_timesteps_are_no_time(tmp_path):
+    folder = w.lerobot_v2(tmp_path / "d", fps=None)
+    for path in folder.rglob("*.parquet"):
+        w.change_table(path, timestamp=np.arange(w.STEPS, dtype=np.float32))
+    assert "numbers of timesteps" in open_dataset(folder).units.set_index("quantity").note["time"]
+
+
+def test_a_closed_gripper_is_closed_in_every_episode_alike(tmp_path):
+    folder = w.lerobot_v2(tmp_path / "d", dtype=np.float64, values=lambda n: np.column_stack(
+        [w.joints(n), np.linspace(0.02, 0.08 if n else 0.04, w.STEPS)]))
+    (tmp_path / "units.yaml").write_text("'*': {gripper_closed_is: high}")
+    episodes = open_dataset(folder, units_file=tmp_path / "units.yaml").episodes
+    assert [round(float(episode.gripper[0]), 6) for episode in episodes] == [0.06, 0.06]
 
 
 def test_half_a_gap_is_cautioned(tmp_path):

@@ -95,10 +95,14 @@ def collect(
 def _shares(text: str | None) -> dict[str, float]:
     """`static=0.5,move=0.5` as a mapping."""
     try:
-        return {name: float(share) for name, share in (part.split("=") for part in text.split(","))} if text else {}
+        parts = [part.split("=") for part in text.split(",")] if text else []
+        shares = {name: float(share) for name, share in parts}
+        if len(shares) < len(parts) or "_" in "".join(share for _, share in parts):
+            raise ValueError
+        return shares
     except ValueError as error:
-        raise BadInput(f"shares: {text!r} given; allowed are methods with numbers, such as static=0.5,move=0.5"
-                       ) from error
+        raise BadInput(f"shares: {text!r} given; allowed are methods, each once, with numbers, such as "
+                       "static=0.5,move=0.5") from error
 
 
 @app.command(epilog=examples("move placements --places 50", "move placements --within 0,0,40,30 --places 10",
@@ -136,7 +140,7 @@ def rectangle(text: str) -> Box:
     """`x,y,x,y` as a flat box, in the same unit."""
     try:
         x, y, far_x, far_y = (float(part) for part in text.split(","))
-        if not (math.isfinite(x + y + far_x + far_y) and x < far_x and y < far_y):
+        if "_" in text or not (math.isfinite(x + y + far_x + far_y) and x < far_x and y < far_y):
             raise ValueError
     except ValueError:
         raise BadInput(f"within: {text!r} given; allowed are the low and the high corner in cm, such as 0,0,40,30"

@@ -53,7 +53,8 @@ def coverage(
     new, holes = statistics.next_places(found.places, table, coming)
     expected = [100 * statistics.expected_success(found.places, table, curve) / curve.top for curve in curves]
     summary: dict[str, Any] = {
-        "data": found.origin, "left out": "; ".join(found.without) or "nothing", "grasps": len(found.places),
+        "data": found.origin, "left out": "; ".join(found.without) or "nothing",
+        "doubts": "; ".join(found.doubts) or "none", "grasps": len(found.places),
         "places": statistics.in_words(statistics.repetitions(found.places)),
         "part of the table (cm)": ", ".join(f"{100 * value:.1f}" for corner in table for value in corner),
         "radius (cm)": known, "places in effect": statistics.effective_number(found.places, curves[0]),

@@ -29,7 +29,7 @@ from move.untrusted import bounded_memory, plain_files, within
 from move.untrusted_zarr import missing_chunks, opened_group, plain_array
 
 CHUNK_TIMESTEPS = 256
-FAR, COLLAPSED = 1e3, 1e-5  # from this size on, and below this share of it, a difference is lost in float32
+FAR, NOISE = 100.0, 1e-10  # a size from which on differences may be lost in float32; the share of it that is noise
 OBSERVED = ("data/img", "data/keypoints", "data/state")  # the first one that is there
 MARK, DIGEST = "collection", "collection_digest"  # attributes of every data set that is made here
 WRITTEN = re.compile(r"\.z(group|attrs)|(data|meta)/(\.z(group|attrs)|\w+/(\.z(array|attrs)|\d+(\.\d+)*))")  # by `save`
@@ -186,17 +186,17 @@ def _observations(observations: np.ndarray) -> np.ndarray:
 
 
 def _refuse_collapsed(name: str, values: np.ndarray) -> None:
-    """Refuse numbers that differ in float64, far from 0, and by so little that they are one number in float32."""
+    """Refuse numbers that differ, far from 0, by so little that most of them are equal in float32."""
     if values.dtype.kind not in "iuf" or values.dtype.itemsize <= 4 or not values.size:
         return
-    values = values.reshape(len(values), -1).astype(np.float64)
-    with np.errstate(invalid="ignore"):  # what is not finite is refused elsewhere
-        extent, size = np.ptp(values, axis=0), np.abs(values).max(axis=0)
-        collapsed = (size > FAR) & (extent > 1e-12 * size) & (extent < COLLAPSED * size)
-    if collapsed.any():
-        column = int(np.argmax(collapsed))
-        raise BadInput(f"{name}: column {column} differs by {extent[column]:.3g} around {size[column]:.3g}, which "
-                       "float32 rounds away; allowed: numbers from which such an offset is taken")
+    for number, column in enumerate(values.reshape(len(values), -1).T):
+        size = np.nanmax(np.abs(column.astype(np.float64)))
+        if not FAR < size < np.inf or np.ptp(column) < NOISE * size:
+            continue
+        before, after = len(np.unique(column)), len(np.unique(column.astype(np.float32)))
+        if 2 * after < before:
+            raise BadInput(f"{name}: {before} numbers of column {number}, up to {size:.3g}, are {after} in float32; "
+                           "allowed: numbers from which such an offset is taken")
 
 
 def task_of(attributes: dict[str, Any]) -> str:

@@ -53,6 +53,7 @@ class Recording:
     source: Path
     timestamps: np.ndarray | None = None  # (T,) float64
     joints: np.ndarray | None = None  # (T, n) float64
+    joint_names: tuple[str, ...] = ()  # n of them, or none
     end_effector: np.ndarray | None = None  # (T, 6) float64, x y z roll pitch yaw
     gripper: np.ndarray | None = None  # (T,) float64
     action: np.ndarray | None = None  # (T, k) float64, as stored (never converted)
@@ -122,7 +123,8 @@ def make_recording(part: Part, ref: EpisodeRef, streams: Mapping[str, np.ndarray
             `plain_text`.
     """
     where = f"episode {ref.index} of {part.root}"
-    for name in (part.name, rest.get("robot") or "", *rest.get("action_names", ()), *rest.get("cameras", ())):
+    for name in (part.name, rest.get("robot") or "", *rest.get("action_names", ()), *rest.get("joint_names", ()),
+                 *rest.get("cameras", ())):
         plain_text(name, where)
     found = {name: _numbers(name, values, where) for name, values in streams.items() if values is not None}
     if not found:

@@ -11,11 +11,13 @@ import numpy as np
 import pandas as pd
 
 from move.errors import BadInput
-from move.realworld.dataset import open_dataset
+from move.realworld.checks import check_dataset
+from move.realworld.dataset import RobotDataSet, open_dataset
 from move.realworld.episode import RobotEpisode
 from move.realworld.workspace import grasp_step, positions
 from move.untrusted import read_json
 
+DECIDING = ("nothing had to be assumed", "no two episodes are equal")  # checks that a place rests on
 SIMULATION = ".zattrs"  # of a folder that `move collect` wrote; it holds the record of the collection
 
 
@@ -25,6 +27,7 @@ class Grasps(NamedTuple):
     places: np.ndarray
     origin: str  # one line on where they come from
     without: tuple[str, ...]  # a line on each kind of demonstration that has no place
+    doubts: tuple[str, ...] = ()  # a line on each thing that was assumed or does not fit
 
 
 def grasps(data: str, *, units_file: Path | None = None) -> Grasps:
@@ -55,7 +58,17 @@ def grasps(data: str, *, units_file: Path | None = None) -> Grasps:
     table, why = grasp_table(demos.episodes), why_no_grasps(demos.episodes)
     if table.empty:
         raise BadInput(f"{data}: no place of a grasp: {why}")
-    return Grasps(table[["x_m", "y_m"]].to_numpy(), demos.origin, (*filter(None, [why]), *demos.unread))
+    return Grasps(table[["x_m", "y_m"]].to_numpy(), demos.origin, (*filter(None, [why]), *demos.unread), _doubts(demos))
+
+
+def _doubts(demos: RobotDataSet) -> tuple[str, ...]:
+    """What was assumed of the hand, its units and its frame, and demonstrations that stand there twice."""
+    checks = {check.name: check for check in check_dataset(demos)}
+    told = [f"{name}: {checks[name].detail}" for name in DECIDING if checks[name].outcome == "differs"]
+    told += [f"{row.part}: {row.quantity} in {row.unit}: {row.note}" for row in demos.units.itertuples()
+             if row.note and row.quantity in ("gripper", "position") and row.unit != "unknown"]
+    frames = sorted({f"{episode.part} ({episode.robot or 'arm not named'})" for episode in demos.episodes})
+    return (*told, *[f"taken as places in one frame: {', '.join(frames)}"] * (len(frames) > 1))
 
 
 def grasp_table(episodes: Sequence[RobotEpisode]) -> pd.DataFrame:

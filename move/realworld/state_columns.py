@@ -12,12 +12,17 @@ POSE = ("x", "y", "z", "roll", "pitch", "yaw")
 _ROTATION_AXIS = {"x": "roll", "y": "pitch", "z": "yaw"}
 _UNITS = {"rad": "rad", "radian": "rad", "radians": "rad", "deg": "deg", "degree": "deg", "degrees": "deg",
          "mdeg": "mdeg", "m": "m", "cm": "cm", "mm": "mm", "um": "um", "percent": "percent", "pct": "percent",
-         **{name: name for name in ("turn", "turns", "rev", "revs", "ticks", "counts")}}
+         "degs": "deg", "rads": "rad", "percentage": "percent", "normalized": "normalised", "normalised": "normalised",
+         **{f"{long}{metre}{s}": short for long, short in (("", "m"), ("centi", "cm"), ("milli", "mm"), ("micro", "um"))
+            for metre in ("meter", "metre") for s in ("", "s")},
+         **{name: name for name in ("turn", "turns", "rev", "revs", "ticks", "counts", "mrad", "millirad", "inch",
+                                    "inches", "km", "nm")}}
 # words of a name, in lower case
 _SIDES = {"l": "left", "r": "right", "left": "left", "right": "right"}
 _GRIPPER = {"gripper", "grippers", "grasper", "jaw", "claw"}
 _NO_PLACE = {"vel", "velocity", "speed", "acc", "acceleration", "effort", "torque", "tau", "force", "current", "load",
              "temperature", "voltage", "target", "goal", "command", "cmd", "delta", "rel", "relative", "diff"}
+_CLOSED = {"close", "closed", "closedness", "closing"}  # of a gripper whose large numbers are closed
 _NO_ARM = {"leg", "hip", "knee", "ankle", "foot", "head", "neck", "torso", "hand", "finger", "thumb", "object", "cube"}
 _OF_A_POSE = {"eef", "ee", "end", "effector", "endpose", "tcp", "pose", "pos", "position", "rot", "rotation", "euler",
               "flange", "arm", "sim", "observation", "state", *_SIDES, *_GRIPPER}
@@ -113,7 +118,7 @@ def _meaning(found: list[str]) -> tuple[str, str] | None:
         turned = set(body) & {"rot", "rotation", "euler"}
         return "pose", _ROTATION_AXIS.get(body[-1], body[-1]) if turned else body[-1]
     if set(body) & _GRIPPER:
-        return "gripper", ""
+        return None if set(body) & _CLOSED else ("gripper", "")
     if number := _JOINT.search("_".join(body)):
         return "joint", number.group(1)
     return ("joint", "_".join(body)) if set(body) & set(_JOINT_WORDS) and body[-1] not in POSE[:3] else None
@@ -148,7 +153,7 @@ def _by_width(width: int) -> dict[str, Columns]:
 
 
 def arm_streams(state: np.ndarray, names: Sequence[str] = (), *, piper_order: bool = True
-                ) -> tuple[dict[str, np.ndarray], dict[str, str], list[str]]:
+                ) -> tuple[dict[str, np.ndarray], dict[str, str], list[str], tuple[str, ...]]:
     """Joints, pose and gripper of the arm that moves most in a state vector.
 
     Args:
@@ -156,12 +161,14 @@ def arm_streams(state: np.ndarray, names: Sequence[str] = (), *, piper_order: bo
         names, piper_order: as for `split_columns`.
 
     Returns:
-        Streams "joints", "end_effector" and "gripper" where they are told; units that names state; notes.
+        Streams "joints", "end_effector" and "gripper" where they are told; units that names state; notes; names of the
+        joints, where there are any.
     """
     arms, note = split_columns(names, state.shape[1], piper_order=piper_order)
     notes = [note] if note else []
     if not arms:
-        return {}, {}, notes
+        return {}, {}, notes, ()
+    arms = {limb: arm for limb, arm in arms.items() if not re.match("leader|master", limb)} or arms
     steps = np.abs(np.diff(state, axis=0))
     travel = {limb: float(np.nansum(steps[:, list(arm.joints + arm.pose)])) for limb, arm in arms.items()}
     limb = max(travel, key=lambda arm: travel[arm])
@@ -170,7 +177,9 @@ def arm_streams(state: np.ndarray, names: Sequence[str] = (), *, piper_order: bo
     arm = arms[limb]
     streams = {"joints": arm.joints, "end_effector": arm.pose, "gripper": () if arm.gripper is None else arm.gripper}
     found = {name: state[:, columns] for name, columns in streams.items() if columns != ()}
-    return found, _unit_hints(names, arm) if len(names) == state.shape[1] else {}, notes
+    if len(names) != state.shape[1]:
+        return found, {}, notes, ()
+    return found, _unit_hints(names, arm), notes, tuple(names[column] for column in arm.joints)
 
 
 def _unit_hints(names: Sequence[str], columns: Columns) -> dict[str, str]:

@@ -50,12 +50,20 @@ RANGES = {
     "gripper": ((0.0, 0.11, "m"), (0.5, 1.05, "normalised"), (1.2, 1.8, "pika_rad"), (50.0, 200.0, "mm"),
                 (1000.0, np.inf, "um")),
 }
-# quantity -> stated unit -> the largest absolute value of a whole part lies within these, or the unit is not theirs
-BOUNDS = {"gripper": {"percent": (1.2, 120.0), "rad": (0.0, 6.3), "deg": (1.8, 360.0), "normalised": (0.0, 1.2),
-                      "cm": (0.2, 20.0)}, "position": {"cm": (2.0, 200.0)}}
+_ANGLE_BOUNDS = {"rad": (0.0, 6.4), "deg": (3.2, 400.0), "mdeg": (400.0, np.inf), "percent": (1.2, 120.0)}
+# quantity -> unit that is stated -> what the largest absolute value (of time the median step) is then between
+BOUNDS = {
+    "time": {"s": (0.0, 2.0), "ms": (0.1, 2e3), "us": (50.0, 2e6), "ns": (5e4, 2e9)},
+    "joints": _ANGLE_BOUNDS, "rotation": _ANGLE_BOUNDS,
+    "position": {"m": (2e-3, 3.0), "cm": (2.0, 300.0), "mm": (3.0, 3e3), "um": (3e3, np.inf)},
+    "gripper": {"m": (1e-3, 0.25), "cm": (0.2, 25.0), "mm": (2.0, 250.0), "um": (1e3, np.inf), "half_m": (5e-4, 0.13),
+                "normalised": (0.11, 1.2), "percent": (1.2, 120.0), "pika_rad": (0.0, 2.0), "rad": (0.0, 6.4),
+                "deg": (1.8, 400.0)},
+}
 FASTEST_HZ = 1000.0  # a stated rate above it tells no unit of time
 PER_CENT = 100.0
 SCALED_TO_ONE = 1e-4  # how near 1 the largest of numbers that were scaled to -1..1 is
+ONE_UNIT = 30.0  # the largest number of one joint may be so many times that of any other
 MOTOR_COUNTS = 4096  # a turn of a hobby motor, which may be stored as it is read
 NAME_IT = "name it in a units file"
 _IN_PER_CENT = re.compile(r"so[-_]?10[01]|koch|lekiwi|moss|omx", re.IGNORECASE)  # LeRobot's arms of hobby motors
@@ -109,15 +117,32 @@ def detect_units(recordings: Sequence[Recording], given: Mapping[str, str]) -> l
         pieces = [values[np.isfinite(values)] for recording in recordings
                   if (values := _values(recording, quantity)) is not None and np.isfinite(values).any()]
         if pieces:
-            apart = _alone(quantity, pieces) if quantity in ("joints", "position") else []
-            rows.append(_row(about, quantity, np.concatenate(pieces), given, apart))
+            rows.append(_row(about, quantity, np.concatenate(pieces), given, _apart(recordings, quantity, pieces)))
     return rows
 
 
-def _alone(quantity: str, pieces: Sequence[np.ndarray]) -> list[str]:
-    """The units that single recordings look like, where these are several."""
-    found = sorted({by_size(quantity, float(np.abs(piece).max())) for piece in pieces} - {"unknown"})
-    return found if len(found) > 1 else []
+def _apart(recordings: Sequence[Recording], quantity: str, pieces: Sequence[np.ndarray]) -> str:
+    """Why the numbers of a quantity cannot be of one unit, in words; "" where they may be."""
+    found = sorted({by_size(quantity, size) for piece in pieces if (size := _size(quantity, piece))} - {"unknown"})
+    hints = sorted({recording.hints.get(quantity, "nothing") for recording in recordings
+                    if _values(recording, quantity) is not None})
+    if len(found) > 1:
+        return f"single episodes look like {' and like '.join(found)}"
+    if len(hints) > 1:
+        return f"single episodes state {' and '.join(hints)}"
+    if quantity == "joints" and len({recording.joints.shape[1] for recording in recordings
+                                     if recording.joints is not None}) == 1:
+        columns = np.nanmax([np.nanmax(np.abs(recording.joints), axis=0, initial=0.0) for recording in recordings
+                             if recording.joints is not None], axis=0)
+        *others, largest = np.sort(columns)
+        if others and largest > ONE_UNIT * others[-1] > 0:
+            return f"joint {int(columns.argmax()) + 1} is up to {largest:g}, the others up to {others[-1]:g}"
+    return ""
+
+
+def _size(quantity: str, values: np.ndarray) -> float:
+    """The number that a unit is told from: the largest absolute value, of time the median step."""
+    return float(np.median(np.abs(values)) if quantity == "time" else np.abs(values).max())
 
 
 def _values(recording: Recording, quantity: str) -> np.ndarray | None:
@@ -144,21 +169,27 @@ def _by_rate(steps: float) -> str | None:
     return next((unit for unit, seconds in TIME.items() if abs(steps * seconds - 1) <= 0.1), None)
 
 
-def _row(about: Recording, quantity: str, values: np.ndarray, given: Mapping[str, str], apart: Sequence[str]
+def _row(about: Recording, quantity: str, values: np.ndarray, given: Mapping[str, str], apart: str
          ) -> UnitRow:
     """Decide one quantity: by the units file, else by what names, the arm or the rate state, else by its size.
 
     Args:
-        apart: units that single recordings look like, where they differ.
+        apart: why the numbers cannot be of one unit, or "".
     """
     low, high = float(values.min()), float(values.max())
-    largest = float(np.median(np.abs(values))) if quantity == "time" else max(abs(low), abs(high))
+    largest = _size(quantity, values)
 
     def row(unit: str, decided_by: str, note: str = "") -> UnitRow:
         return UnitRow(about.part, quantity, unit, decided_by, low, high, note)
 
     if quantity in given:
-        return row(given[quantity], "units file")
+        doubt = apart or f"the numbers are up to {largest:g}" if apart or _contradict(
+            quantity, given[quantity], largest) else ""
+        return row(given[quantity], "units file", doubt)
+    if apart:
+        return row("unknown", "nothing", f"{apart}: {NAME_IT}")
+    if quantity == "time" and not about.fps and (values == 1).all() and len(values) > 1:
+        return row("unknown", "nothing", f"numbers of timesteps, or one a second: {NAME_IT}")
     if quantity == "time" and about.fps and about.fps <= FASTEST_HZ and (stated := _by_rate(largest * about.fps)):
         return row(stated, "the stated rate")
     sized, hint, by = by_size(quantity, largest), about.hints.get(quantity), "names"
@@ -166,12 +197,11 @@ def _row(about: Recording, quantity: str, values: np.ndarray, given: Mapping[str
         hint, by = "percent", "the arm"
     if hint and hint not in UNITS[quantity]:
         return row("unknown", "nothing", f"{by}: {hint}, no unit of it: {NAME_IT}")
-    if hint and _contradict(quantity, hint, sized, largest):
-        return row("unknown", "nothing", f"{by}: {hint}; the numbers look like {sized}: {NAME_IT}")
+    if hint and _contradict(quantity, hint, largest):
+        look = f"look like {sized}" if sized not in ("unknown", hint) else f"are up to {largest:g}"
+        return row("unknown", "nothing", f"{by}: {hint}; the numbers {look}: {NAME_IT}")
     if hint:
         return row(hint, by)
-    if apart:
-        return row("unknown", "nothing", f"single episodes look like {' and like '.join(apart)}: {NAME_IT}")
     if doubt := _may_be_else(about, quantity, sized, largest):
         return row("unknown", "nothing", f"{doubt}: {NAME_IT}")
     if sized == "unknown":
@@ -185,6 +215,8 @@ def _may_be_else(about: Recording, quantity: str, sized: str, largest: float) ->
     """As what else numbers may be read than as what they look like; "" where as nothing else."""
     if quantity == "joints" and sized == "rad" and abs(largest - 1) <= SCALED_TO_ONE:
         return "radians, or scaled to -1..1"
+    if quantity == "gripper" and sized == "mm" and abs(largest - PER_CENT) <= 0.5:
+        return "mm or per cent"
     if is_piper(about.robot) or quantity not in ("joints", "gripper"):
         return ""
     if sized in ("mdeg", "um") and (about.robot or largest <= MOTOR_COUNTS):
@@ -196,11 +228,10 @@ def _may_be_else(about: Recording, quantity: str, sized: str, largest: float) ->
     return ""
 
 
-def _contradict(quantity: str, hint: str, sized: str, largest: float) -> bool:
+def _contradict(quantity: str, unit: str, largest: float) -> bool:
     """Whether the numbers of a whole part are too large or too small for the stated unit."""
-    low, high = BOUNDS.get(quantity, {}).get(hint, (0.0, np.inf))
-    known = {unit for _, _, unit in RANGES[quantity]}
-    return bool(largest) and (not low <= largest <= high or {hint, sized} <= known and hint != sized)
+    low, high = BOUNDS[quantity][unit]
+    return bool(largest) and not low <= largest <= high
 
 
 def convert(recording: Recording, rows: Sequence[UnitRow], given: Mapping[str, str], method: str) -> RobotEpisode:
@@ -220,7 +251,8 @@ def convert(recording: Recording, rows: Sequence[UnitRow], given: Mapping[str, s
         factor, gripper_unit = GRIPPER[unit["gripper"]]
         gripper = gripper * factor
         if given.get("gripper_closed_is") == "high":
-            gripper = (1.0 if gripper_unit == "normalised" else np.nanmax(gripper)) - gripper
+            open_at = factor * next(row.highest for row in rows if row.quantity == "gripper")  # in the whole part
+            gripper = (1.0 if gripper_unit == "normalised" else open_at) - gripper
     times_s = _times_s(recording, unit.get("time"))
     told = recording.timestamps is not None or recording.fps
     camera_s = times_s if told else times_s * np.nan  # a guessed time finds no picture

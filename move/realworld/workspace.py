@@ -105,16 +105,14 @@ def joint_table(episodes: Sequence[RobotEpisode]) -> pd.DataFrame:
     """Joint angles of the episodes that have no `positions`, one row a timestep and joint.
 
     Returns:
-        Columns method, part, index, time_s, joint and degrees; a joint is called as the action's parts are, if these
-        are as many without the gripper, else by its number.
+        Columns method, part, index, time_s, joint and degrees; a joint without a name is called by its number.
     """
     tables = []
     for e in episodes:
         if e.joints is None or positions(e) is not None:
             continue
         count = e.joints.shape[1]
-        stated = [name for name in e.action_names if "gripper" not in name.lower()]
-        names = stated if len(set(stated)) == len(stated) == count else [f"joint {n + 1}" for n in range(count)]
+        names = e.joint_names or [f"joint {n + 1}" for n in range(count)]
         tables.append(pd.DataFrame({
             "method": e.method, "part": e.part, "index": e.index, "time_s": np.repeat(e.timestamps_s, count),
             "joint": np.tile(names, e.timesteps), "degrees": np.degrees(e.joints).ravel()}))

@@ -51,7 +51,8 @@ class _File(BaseModel):
 
     task: Annotated[str, Field(pattern=r"^[\w-]{1,100}$")]
     rows: list[dict[str, Any]] = Field(min_length=1)
-    success_rate: float | None = None
+    success_rate: FiniteFloat | None = None
+    episodes: int | None = None
     provenance: _Provenance = _Provenance()  # which earlier versions did not print
 
 
@@ -122,6 +123,8 @@ def _of_file(given: str, path: Path, about: dict[str, Any]) -> Evaluated:
     except ValidationError as problem:
         raise BadInput(f"{path}: {first_problem(problem)}; allowed is what `move evaluate --json` prints") from problem
     evaluated = _evaluated(given, found.task, found.rows, found.provenance.model_dump())
+    if found.episodes not in (None, len(found.rows)):
+        raise BadInput(f"{path}: episodes is {found.episodes}, it has {len(found.rows)} rows")
     rate = sum(bool(row["success"]) for row in found.rows) / len(found.rows)
     if found.success_rate is not None and abs(found.success_rate - rate) > 1e-9:
         raise BadInput(f"{path}: success_rate is {found.success_rate:g}, its rows say {rate:g}")

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path, PurePosixPath
 
@@ -35,9 +35,10 @@ def metadata(files: Sequence[str]) -> list[str]:
 
 
 def episodes(part: Part) -> list[EpisodeRef]:
-    """One episode a file, in natural order; images that lie in the file's own folder belong to it."""
+    """One episode a file, by its number; images that lie in the file's own folder belong to it."""
     refs = []
-    for index, file in enumerate(sorted((file for file in part.files if file.endswith(SUFFIXES)), key=natural)):
+    files = sorted((file for file in part.files if file.endswith(SUFFIXES)), key=natural)
+    for index, file in zip(numbers_of(files), files, strict=True):
         folder = PurePosixPath(file).parent
         own = re.fullmatch(r"episode_?\d+", folder.name)
         images = [other for other in part.files if own and other.startswith(f"{folder}/camera/color/")]
@@ -48,6 +49,24 @@ def episodes(part: Part) -> list[EpisodeRef]:
 def natural(name: str) -> list:
     """Sort key that puts `episode2` before `episode10`."""
     return [int(piece) if piece.isdigit() else piece for piece in re.split(r"(\d+)", name)]
+
+
+def numbers_of(names: Sequence[str]) -> list[int]:
+    """The last number in each name, where each has its own, else 0, 1, ...
+
+    >>> numbers_of(["episode0/data.hdf5", "episode2/data.hdf5"]), numbers_of(["b.hdf5", "c7.hdf5"])
+    ([0, 2], [0, 1])
+    """
+    found = [re.findall(r"\d{1,9}", re.sub(r"\.\w+$", "", name)) for name in names]
+    numbers = [int(each[-1]) for each in found if each]
+    return numbers if len(set(numbers)) == len(names) else list(range(len(names)))
+
+
+def lacking(part: Part, refs: Sequence[EpisodeRef]) -> list[str] | None:
+    """Numbers between those of the first and the last episode that no file has."""
+    numbers = {ref.index for ref in refs}
+    absent = sorted(set(range(min(numbers, default=0), min(max(numbers, default=0), 10**6))) - numbers)
+    return [f"{part.name}: no episode {number}" for number in absent] or None
 
 
 def read(part: Part, ref: EpisodeRef) -> Recording:
@@ -125,29 +144,57 @@ def _recorded(file: h5py.File, key: str) -> np.ndarray | None:
     return _values(file, key) if key in file else None
 
 
-def _first(file: h5py.File, folder: str, order: Sequence[str]) -> np.ndarray | None:
-    """The data of the preferred member of a folder, else of the first; None where there is none or it is empty."""
-    members = file.get(folder, {})
-    names = [name for name in order if name in members] or sorted(members)
-    return _values(file, f"{folder}/{names[0]}") if names and members[names[0]].size else None
+def pika_sensor(members: Iterable[str], order: Sequence[str], notes: list[str]) -> str | None:
+    """The sensor to read: the first that is called or begins as the preferred ones do, else the first by its name.
+
+    Args:
+        notes: gets a line where there are others of the same kind, as of two arms, or where it is the leader's.
+    """
+    names = sorted(members)
+    alike = next((found for word in order if (found := [name for name in names if name.startswith(word)])), names)
+    chosen = next((name for name in alike if name in order), alike[0] if alike else None)
+    if chosen not in order and len(alike) > 1:
+        notes.append(f"of {', '.join(alike)} {chosen} is read")
+    if chosen and chosen.startswith("master"):
+        notes.append(f"{chosen}, the leader, is read: no arm that follows it is recorded")
+    return chosen
+
+
+def _first(file: h5py.File, folder: str, order: Sequence[str], notes: list[str]) -> np.ndarray | None:
+    """The data of a sensor of a folder; None where there is none or it is empty."""
+    name = pika_sensor(members := file.get(folder, {}), order, notes)
+    return _values(file, f"{folder}/{name}") if name and members[name].size else None
+
+
+def _pose(values: np.ndarray | None, notes: list[str]) -> np.ndarray | None:
+    """The first six columns of a pose, which a gripper may follow; None, with a note, of one with a quaternion."""
+    if values is None or values.ndim != 2 or values.shape[1] < 7:
+        return values
+    if np.allclose(np.linalg.norm(values[:, 3:7], axis=1), 1, atol=1e-3):
+        notes.append("the pose has a quaternion: not read")
+        return None
+    return values[:, :6]
 
 
 def _pika(part: Part, ref: EpisodeRef, file: h5py.File, path: Path) -> Recording:
-    position, pose = _first(file, "arm/jointStatePosition", PIKA_ARMS), _first(file, "arm/endPose", PIKA_ARMS)
-    notes, hints = [], {"gripper": "m"}
-    if pose is None and (pose := _first(file, "localization/pose", ("pika",))) is not None:
+    notes: list[str] = []
+    hints = {"gripper": "m"}
+    arm = pika_sensor(file.get("arm/jointStatePosition", {}), PIKA_ARMS, notes)
+    position = _recorded(file, f"arm/jointStatePosition/{arm}")
+    pose = _pose(_first(file, "arm/endPose", PIKA_ARMS, []), notes)
+    if pose is None and (pose := _pose(_first(file, "localization/pose", ("pika",), notes), notes)) is not None:
         notes.append(PIKA_POSE)
-    gripper = _first(file, "gripper/encoderDistance", PIKA_GRIPPERS)
+    gripper = _first(file, "gripper/encoderDistance", PIKA_GRIPPERS, notes)
     if gripper is None:
-        gripper, hints = _first(file, "gripper/encoderAngle", PIKA_GRIPPERS), {"gripper": "pika_rad"}
+        gripper, hints = _first(file, "gripper/encoderAngle", PIKA_GRIPPERS, notes), {"gripper": "pika_rad"}
     if gripper is None:
         hints = {}
         gripper = position[:, 6] if position is not None and position.shape[1] > 6 else None
     if any(data.dtype == np.uint8 and data.ndim == 4 for data in file.get("camera/depth", {}).values()):
         notes.append("depth is 8-bit, its metres are lost: not read")
     streams = {
-        "joints": None if position is None else position[:, :6], "end_effector": None if pose is None else pose[:, :6],
-        "gripper": gripper, "action": _recorded(file, "arm/jointStatePosition/master"),
+        "joints": None if position is None else position[:, :6], "end_effector": pose, "gripper": gripper,
+        "action": _recorded(file, f"arm/jointStatePosition/{str(arm).replace('puppet', 'master')}"),
         "timestamps": _recorded(file, "timestamp"),
     }
     colour = file.get("camera/color", {})
@@ -172,12 +219,12 @@ def _pika_stamps(data: h5py.Dataset) -> np.ndarray | None:
     if data.ndim > 1:
         return None
     stems = [PurePosixPath(name.decode() if isinstance(name, bytes) else str(name)).stem for name in data]
-    return np.array(stems, float) if all(re.fullmatch(r"\d{9,}(\.\d+)?", stem) for stem in stems) else None
+    return np.array(stems, float) if all(re.fullmatch(r"[1-9]\d{9}(\.\d+)?", stem) for stem in stems) else None
 
 
 def _act(part: Part, ref: EpisodeRef, file: h5py.File, path: Path) -> Recording:
     state = _values(file, "observations/qpos")
-    arm, _, notes = arm_streams(state)
+    arm, _, notes, _ = arm_streams(state)
     names = (f"{group}timestamp{s}" for group in ("observations/", "") for s in ("", "s"))
     times = next((name for name in names if name in file), "timestamp")
     streams = {**arm, "action": _recorded(file, "action"), "state": state, "timestamps": _recorded(file, times)}
@@ -197,8 +244,8 @@ def _robomind(part: Part, ref: EpisodeRef, file: h5py.File, path: Path) -> Recor
     if joints is not None and joints.shape[1] >= 7:
         joints, gripper = joints[:, :-1], joints[:, -1]
         notes.append("last joint taken as the gripper")
-    pose = _recorded(file, f"puppet/end_effector{side}")
-    streams = {"joints": joints, "gripper": gripper, "end_effector": None if pose is None else pose[:, :6],
+    pose = _pose(_recorded(file, f"puppet/end_effector{side}"), notes)
+    streams = {"joints": joints, "gripper": gripper, "end_effector": pose,
                "action": _recorded(file, f"master/joint_position{side}")}
     cameras = {name: from_hdf5(path, data.name) for name, data in file.get("observations/rgb_images", {}).items()}
     return make_recording(part, ref, streams, assumed_fps=ROBOMIND_HZ, source=path, cameras=cameras, notes=notes)

@@ -220,7 +220,7 @@ def _recording(part: Part, ref: EpisodeRef, info: _Info, table: pa.Table, source
         notes.append("rows were not in the order of frame_index: sorted")
     state, names = _state(table, info.features)
     piper = not info.robot_type or is_piper(info.robot_type)
-    arm, hints, more = ({}, {}, []) if state is None else arm_streams(state, names, piper_order=piper)
+    arm, hints, more, joints = ({}, {}, [], ()) if state is None else arm_streams(state, names, piper_order=piper)
     action = next((key for key in ACTION if key in there), None)
     streams = {
         **arm, "action": _matrix(table, action) if action else None, "state": state,
@@ -232,7 +232,7 @@ def _recording(part: Part, ref: EpisodeRef, info: _Info, table: pa.Table, source
     return make_recording(
         part, ref, streams, fps=info.fps, source=source, hints=hints, notes=notes + more, robot=info.robot_type,
         numbering={key: _matrix(table, key)[:, 0] for key in NUMBERING if key in there},
-        action_names=tuple(_names_of(info.features.get(action, {}))) if action else (),
+        joint_names=joints, action_names=tuple(_names_of(info.features.get(action, {}))) if action else (),
         cameras={key.removeprefix("observation.images."): frames for key, frames in cameras.items()})
 
 

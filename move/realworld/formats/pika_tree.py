@@ -20,11 +20,13 @@ import numpy as np
 
 from move.errors import BadInput
 from move.realworld.episode import EpisodeRef, Part, Recording, make_recording
-from move.realworld.formats.hdf5 import PIKA_ARMS, PIKA_GRIPPERS, PIKA_POSE, natural
+from move.realworld.formats.hdf5 import PIKA_ARMS, PIKA_GRIPPERS, PIKA_POSE, lacking, natural, numbers_of, pika_sensor
 from move.realworld.frames import from_files, nearest
 from move.realworld.state_columns import POSE
 from move.realworld.untrusted_names import inside
 from move.untrusted import read_json, read_text, reading
+
+__all__ = ["episodes", "lacking", "metadata", "read"]
 
 
 def metadata(files: Sequence[str]) -> list[str]:
@@ -39,8 +41,9 @@ def episodes(part: Part) -> list[EpisodeRef]:
         match = re.match(r"(episode_?\d+)/", file)
         if match and not re.search(r"/camera/(depth|pointCloud)/", file):
             groups.setdefault(match.group(1), []).append(file)
-    return [EpisodeRef(n, tuple(groups[name]), place={"folder": name})
-            for n, name in enumerate(sorted(groups, key=natural))]
+    names = sorted(groups, key=natural)
+    return [EpisodeRef(number, tuple(groups[name]), place={"folder": name})
+            for number, name in zip(numbers_of(names), names, strict=True)]
 
 
 def read(part: Part, ref: EpisodeRef) -> Recording:
@@ -71,14 +74,16 @@ def read(part: Part, ref: EpisodeRef) -> Recording:
 
 def _sensors(folder: Path) -> tuple[dict[str, Path], list[str]]:
     """The folder of each stream and each camera, and a note where the pose is not the arm's."""
+    notes: list[str] = []
+    arms = folder / "arm/jointState"
+    arm = pika_sensor(_folders(arms), PIKA_ARMS, notes)
+    leader = str(arm).replace("puppet", "master")
     found = {
-        "joints": _choose(folder / "arm/jointState", PIKA_ARMS),
-        "action": _choose(folder / "arm/jointState", ("master",), only=True),
-        "end_effector": _choose(folder / "arm/endPose", PIKA_ARMS),
-        "gripper": _choose(folder / "gripper/encoder", PIKA_GRIPPERS),
+        "joints": arms / arm if arm else None, "action": arms / leader if leader in _folders(arms) else None,
+        "end_effector": _choose(folder / "arm/endPose", PIKA_ARMS, []),
+        "gripper": _choose(folder / "gripper/encoder", PIKA_GRIPPERS, notes),
     }
-    notes = []
-    if found["end_effector"] is None and (pose := _choose(folder / "localization/pose", ("pika",))):
+    if found["end_effector"] is None and (pose := _choose(folder / "localization/pose", ("pika",), notes)):
         found["end_effector"] = pose
         notes.append(PIKA_POSE)
     colour = folder / "camera/color"
@@ -86,11 +91,10 @@ def _sensors(folder: Path) -> tuple[dict[str, Path], list[str]]:
     return {name: place for name, place in found.items() if place is not None}, notes
 
 
-def _choose(folder: Path, order: Sequence[str], *, only: bool = False) -> Path | None:
-    """The preferred sensor of a folder, else (unless `only`) the first."""
-    names = _folders(folder)
-    chosen = [name for name in order if name in names] or ([] if only else names)
-    return folder / chosen[0] if chosen else None
+def _choose(folder: Path, order: Sequence[str], notes: list[str]) -> Path | None:
+    """The sensor of a folder that is read."""
+    name = pika_sensor(_folders(folder), order, notes)
+    return folder / name if name else None
 
 
 def _folders(folder: Path) -> list[str]:

@@ -80,11 +80,16 @@ def read(part: Part, ref: EpisodeRef) -> Recording:
             if key := next((name for name in names if name in arrays), None):
                 streams[stream] = np.asarray(plain_array(group, f"data/{key}")[rows])
     notes = []
-    if (fingers := streams.get("gripper")) is not None:
+    if "robot_eef_pose" in arrays:
+        notes.append("the rotation in robot_eef_pose is taken as roll, pitch, yaw")
+    joints = streams.get("joints")
+    if joints is not None and joints.shape[1:] > (6,) and "gripper" not in streams:
+        notes.append(f"all {joints.shape[1]} columns of the joints are taken as joints, none as a gripper")
+    if (fingers := streams.get("gripper")) is not None and fingers.size:
         fingers = fingers.reshape(len(fingers), -1)
-        alike = np.array_equal(fingers, np.repeat(fingers[:, :1], fingers.shape[1], axis=1), equal_nan=True)
-        streams["gripper"] = fingers[:, 0] if alike else None
-        if not alike:
+        alike = fingers.dtype.kind in "iuf" and np.allclose(fingers, fingers[:, :1], rtol=1e-6, equal_nan=True)
+        streams["gripper"] = fingers[:, 0] if alike or fingers.shape[1] == 1 else None
+        if not alike and fingers.shape[1] > 1:
             notes.append(f"a gripper of {fingers.shape[1]} columns that differ: not read")
     cameras = {key: _frames(path, key, range(shape[0])[rows]) for key, shape in arrays.items() if len(shape) == 4}
     simulated, videos = set(arrays) >= SIMULATION, _videos(part, ref)
