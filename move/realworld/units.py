@@ -130,14 +130,18 @@ def _apart(recordings: Sequence[Recording], quantity: str, pieces: Sequence[np.n
         return f"single episodes look like {' and like '.join(found)}"
     if len(hints) > 1:
         return f"single episodes state {' and '.join(hints)}"
-    if quantity == "joints" and len({recording.joints.shape[1] for recording in recordings
-                                     if recording.joints is not None}) == 1:
-        columns = np.nanmax([np.nanmax(np.abs(recording.joints), axis=0, initial=0.0) for recording in recordings
-                             if recording.joints is not None], axis=0)
-        *others, largest = np.sort(columns)
-        if others and largest > ONE_UNIT * others[-1] > 0:
-            return f"joint {int(columns.argmax()) + 1} is up to {largest:g}, the others up to {others[-1]:g}"
-    return ""
+    return _odd_joint(recordings) if quantity == "joints" else ""
+
+
+def _odd_joint(recordings: Sequence[Recording]) -> str:
+    """Which joint's numbers are so large that they are of another unit than the others', in words; "" where none's."""
+    joints = [recording.joints for recording in recordings if recording.joints is not None]
+    if len({one.shape[1] for one in joints}) != 1:
+        return ""
+    columns = np.abs(np.nan_to_num(np.vstack(joints), posinf=0, neginf=0)).max(axis=0)
+    *others, largest = np.sort(columns)
+    odd = bool(others) and largest > ONE_UNIT * others[-1] > 0
+    return f"joint {columns.argmax() + 1} is up to {largest:g}, the others up to {others[-1]:g}" if odd else ""
 
 
 def _size(quantity: str, values: np.ndarray) -> float:
@@ -183,9 +187,8 @@ def _row(about: Recording, quantity: str, values: np.ndarray, given: Mapping[str
         return UnitRow(about.part, quantity, unit, decided_by, low, high, note)
 
     if quantity in given:
-        doubt = apart or f"the numbers are up to {largest:g}" if apart or _contradict(
-            quantity, given[quantity], largest) else ""
-        return row(given[quantity], "units file", doubt)
+        doubtful = _contradict(quantity, given[quantity], largest)
+        return row(given[quantity], "units file", apart or f"the numbers are up to {largest:g}" * doubtful)
     if apart:
         return row("unknown", "nothing", f"{apart}: {NAME_IT}")
     if quantity == "time" and not about.fps and (values == 1).all() and len(values) > 1:
