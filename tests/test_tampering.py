@@ -202,6 +202,7 @@ def test_a_collection_may_end_before_its_budget_only_with_the_demonstrations_ask
 
 @pytest.mark.parametrize("tried", [
     Evaluation(episodes=2), Evaluation(starts="moving", episodes=2), Evaluation(starts="listed"),
+    Evaluation(starts="listed", episodes=3),
     Evaluation(starts="grid", grid_side=2, points="sparse"), Evaluation(starts="grid", grid_side=2, points="circle"),
 ], ids=lambda tried: f"{tried.starts} {tried.points}")
 def test_every_way_to_choose_configurations_is_read_as_it_was_stored(tmp_path, tried):

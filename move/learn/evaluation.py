@@ -34,7 +34,8 @@ class Evaluation(BaseModel):
         "object; the authors' list of 20; or the policy's own demonstrations as they began ('own') or when they "
         "grasped ('grasp'). Stored JSON calls it layout"
     )
-    episodes: int = Field(default=100, gt=0, le=10**5, description="number of configurations, unless they are a grid")
+    episodes: int = Field(default=100, gt=0, le=10**5,
+                          description="number of configurations, unless they are a grid; of a list at most so many")
     grid_side: int = Field(default=12, gt=0, le=300, description="cells along a side of the grid")
     factors: str = Field(
         default="all", description="what is random; a grid varies the object, and the hand where it is object+hand"
@@ -67,7 +68,7 @@ def starts(task: Task, evaluation: Evaluation, own: Sequence[SpatialConfiguratio
         rng = np.random.default_rng([CONFIGURATION_STREAM, *task.name.encode()])
         return [Start(evaluation.starts, task.sample(rng, evaluation.factors)) for _ in range(evaluation.episodes)]
     if evaluation.starts == "listed":
-        return [Start("listed", configuration) for configuration in listed_configurations(task)]
+        return [Start("listed", configuration) for configuration in listed_configurations(task)[:evaluation.episodes]]
     points = {"none": [], "sparse": sparse_points(task), "circle": circle_points(task)}[evaluation.points]
     places = [("grid", place) for place in grid(task, evaluation.grid_side)] + [("point", place) for place in points]
     return [Start(group, replace(task.fixed, object_position=place, hand_position=_hand(task, evaluation, index)))

@@ -236,7 +236,7 @@ def expected_groups(spec: RunSpec, demonstrations: int) -> list[str]:
     if tried.starts == "grid":
         return ["grid"] * tried.grid_side**2 + ["point"] * POINTS[tried.points]
     if tried.starts == "listed":
-        return ["listed"] * COUNT
+        return ["listed"] * min(tried.episodes, COUNT)
     if tried.starts in OF_A_POLICY:
         return [tried.starts] * min(tried.episodes, demonstrations)
     return [tried.starts] * tried.episodes
