@@ -211,6 +211,14 @@ def test_a_page_that_cannot_be_made_says_why_and_loses_no_other(source, monkeypa
     assert all((source / name).exists() for name in make_site.DOCUMENTS)
 
 
+def test_a_notebook_is_executed_for_the_site_as_it_is_opened(tmp_path, monkeypatch):
+    monkeypatch.setattr(make_site, "EXECUTED", tmp_path)
+    monkeypatch.setenv("MOVE_STORED_ONLY", "1")
+    path = paths.NOTEBOOKS / "table4_hyperparameters.ipynb"
+    done = make_site.executed_copy(path)  # whose parameter is a tuple, which papermill would hand on as text
+    assert make_site.is_of_today(done, nbformat.read(path, 4)) and "**Here" in make_site.answer_of(done)
+
+
 def test_a_notebook_that_fails_costs_its_own_copy_alone(monkeypatch, capsys):
     def executed_copy(path: Path):
         if path.stem == "fig1_sparse":

@@ -170,17 +170,16 @@ def copy_of_today(path: Path) -> NotebookNode | None:
 
 
 def executed_copy(path: Path) -> NotebookNode:
-    """A notebook executed now, from stored results alone; the copy stays under build/.
+    """A notebook executed now, as it would be opened, from stored results alone; the copy stays under build/.
 
     Raises:
         RuntimeError: its kernel died or stalled as often as it was tried.
     """
     EXECUTED.mkdir(parents=True, exist_ok=True)
-    given = {} if path.parent == TUTORIAL else parameters.parameters(path.stem, PROFILE)
     for _ in range(TRIES):
         try:
-            done = papermill.execute_notebook(path, EXECUTED / path.name, given, kernel_name="python3",
-                                              progress_bar=False, cwd=path.parent)
+            done = papermill.execute_notebook(path, EXECUTED / path.name, kernel_name="python3", progress_bar=False,
+                                              cwd=path.parent)
         except DeadKernelError:
             continue
         if all(cell.execution_count for cell in done.cells if cell.cell_type == "code" and cell.source):

@@ -68,7 +68,7 @@ def spanned(places: np.ndarray) -> Rectangle | None:
 
 
 def ticks(table: Rectangle) -> np.ndarray:
-    """The centres of equal cells of a rectangle, (`TICKS`^2, 2)."""
+    """The centres of `TICKS` times `TICKS` equal cells of a rectangle, (cells, 2)."""
     share = (np.arange(TICKS) + 0.5) / TICKS
     x, y = (low + share * (high - low) for low, high in zip(*table, strict=True))
     return np.stack(np.meshgrid(x, y, indexing="ij"), -1).reshape(-1, 2)
