@@ -116,6 +116,8 @@ def write_pages(executed: dict[Path, NotebookNode | str]) -> dict[str, str]:
     documents = [name for name in DOCUMENTS if (paths.ROOT / name).exists()]
     for name in documents:
         write(name, name, lambda name=name: document(name))
+    for picture in DOCS.glob("*.svg"):
+        shutil.copy(picture, SOURCE / DOCS.name)
     rooms = list(api_pages())
     write("index", "MOVE, reproduced", lambda: start_page(list(executed), documents, rooms))
     return problems

@@ -25,7 +25,7 @@ TOLERANCE = 0.05  # how far, as a share, a rate or a number of the paper may be 
 DRIFT = 0.01  # how far, as a share, the time of a whole episode may be from what the stated rate gives
 MISSED = 1.5  # steps; where a longer time passes from a timestep to the next, one was not recorded
 SAME = 1e-5  # how far, as a share of a column's range, copies of an episode may be from each other
-ROUNDED = 1e-6  # and how far where nothing moves
+ROUNDED = 1e-5  # and how far besides, in the numbers' own unit
 ALLOWED_GAP_M = 0.02  # between a recorded pose and that of the joints
 
 

@@ -170,7 +170,7 @@ def _pose(values: np.ndarray | None, notes: list[str]) -> np.ndarray | None:
     """The first six columns of a pose, which a gripper may follow; None, with a note, of one with a quaternion."""
     if values is None or values.ndim != 2 or values.shape[1] < 7:
         return values
-    if np.allclose(np.linalg.norm(values[:, 3:7], axis=1), 1, atol=1e-3):
+    if np.allclose(np.linalg.norm(values[:, 3:7], axis=1), 1, atol=1e-2):
         notes.append("the pose has a quaternion: not read")
         return None
     return values[:, :6]
