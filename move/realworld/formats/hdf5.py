@@ -52,12 +52,12 @@ def natural(name: str) -> list:
 
 
 def numbers_of(names: Sequence[str]) -> list[int]:
-    """The last number in each name, where each has its own, else 0, 1, ...
+    """The numbers of names that say `episode` and a number of their own each, else 0, 1, ...
 
-    >>> numbers_of(["episode0/data.hdf5", "episode2/data.hdf5"]), numbers_of(["b.hdf5", "c7.hdf5"])
+    >>> numbers_of(["episode0/data.hdf5", "episode2/data.hdf5"]), numbers_of(["b3.hdf5", "c7.hdf5"])
     ([0, 2], [0, 1])
     """
-    found = [re.findall(r"\d{1,9}", re.sub(r"\.\w+$", "", name)) for name in names]
+    found = [re.findall(r"episode_?(\d{1,6})", name) for name in names]
     numbers = [int(each[-1]) for each in found if each]
     return numbers if len(set(numbers)) == len(names) else list(range(len(names)))
 
@@ -65,7 +65,7 @@ def numbers_of(names: Sequence[str]) -> list[int]:
 def lacking(part: Part, refs: Sequence[EpisodeRef]) -> list[str] | None:
     """Numbers between those of the first and the last episode that no file has."""
     numbers = {ref.index for ref in refs}
-    absent = sorted(set(range(min(numbers, default=0), min(max(numbers, default=0), 10**6))) - numbers)
+    absent = sorted(set(range(min(numbers, default=0), max(numbers, default=0))) - numbers)
     return [f"{part.name}: no episode {number}" for number in absent] or None
 
 
@@ -180,7 +180,7 @@ def _pika(part: Part, ref: EpisodeRef, file: h5py.File, path: Path) -> Recording
     notes: list[str] = []
     hints = {"gripper": "m"}
     arm = pika_sensor(file.get("arm/jointStatePosition", {}), PIKA_ARMS, notes)
-    position = _recorded(file, f"arm/jointStatePosition/{arm}")
+    position = _first(file, "arm/jointStatePosition", PIKA_ARMS, [])
     pose = _pose(_first(file, "arm/endPose", PIKA_ARMS, []), notes)
     if pose is None and (pose := _pose(_first(file, "localization/pose", ("pika",), notes), notes)) is not None:
         notes.append(PIKA_POSE)
