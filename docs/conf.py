@@ -68,6 +68,7 @@ REPAIRS = (
     (re.compile(r"<th\b[^>]*>(?:\s|&nbsp;|<p></p>)*</th>"), "<td></td>"),  # a heading of nothing
     (re.compile(r'<aside class="sidebar-drawer"'), '<aside aria-label="the site" class="sidebar-drawer"'),
     (re.compile(r'<aside class="toc-drawer'), '<aside aria-label="this page" class="toc-drawer'),
+    (re.compile(r'<div id="search-results">'), '<h1>Search</h1>\n<div id="search-results">'),
 )
 """What the theme and notebooks write for eyes and mice alone."""
 
