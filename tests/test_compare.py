@@ -148,7 +148,7 @@ def moved(content):
 
 @pytest.mark.parametrize("second, message", [
     (printed([1, 0, 1, 1], task="hammer"), "is of push, .* of hammer; allowed is one task"),
-    (printed([1, 0, 1]), "4 and 3 episodes; allowed are as many"),
+    (printed([1, 0, 1]), "4 and 3 episodes; allowed is one number in both"),
     (moved(printed([1, 0, 1, 1])), "trial 3 of .* did not begin in the same configuration"),
     (printed([1, 0, 1, 1], rows=printed([1, 0, 1, 1])["rows"][::-1]), "did not begin in the same configuration"),
     (printed([1] * 4, rows=[{"trial": n, "group": "random", "success": True} for n in range(4)]), "did not begin"),

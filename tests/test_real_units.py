@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from move.errors import BadInput
-from move.realworld import open_dataset
+from move.realworld import check_dataset, open_dataset
 from move.realworld.units import RANGES, UNITS, by_size
 
 # The rows of the table of known sources: joints scale, gripper values, unit of each, gripper in SI or 0..1.
@@ -156,6 +156,8 @@ def test_a_units_file_is_followed_and_held_against_the_numbers(tmp_path):
     data = open_dataset(w.lerobot_v2(tmp_path / "d"), units_file=tmp_path / "units.yaml")
     told = data.units.set_index("quantity").loc["joints"]
     assert told["unit"] == "deg" and "the numbers are up to 1.6" in told["note"]
+    (said,) = [check for check in check_dataset(data) if check.name == "all units are known"]
+    assert said.outcome == "differs" and "the units file says deg; the numbers are up to 1.6" in said.detail
     np.testing.assert_allclose(data.episodes[0].joints, np.radians(w.joints()), rtol=1e-6)
 
 

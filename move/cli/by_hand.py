@@ -289,7 +289,7 @@ def evaluate(
 
 
 @app.command(epilog=examples("move evaluate build/policy --json > A.json", "move compare A.json B.json",
-                             "move compare 0048257ae1072e57 004abe8e44c69509"))
+                             "move compare 03087b0257085c0d 0378a71339f78e21"))
 def compare(
     first: Annotated[str, typer.Argument(help="what `move evaluate --json` printed, or the hash of a stored run")],
     second: Annotated[str, typer.Argument(help="another one, at the same configurations")],

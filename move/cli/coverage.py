@@ -49,7 +49,8 @@ def coverage(
     table = statistics.spanned(found.places) if box is None else (
         (box.low[0] / 100, box.low[1] / 100), (box.high[0] / 100, box.high[1] / 100))
     if table is None:
-        raise BadInput(f"{data}: all grasps are on one line, which is no part of a table; allowed: --within x,y,x,y")
+        raise BadInput(f"{data}: all grasps are at one place or on one line, which is no part of a table; allowed: "
+                       "--within x,y,x,y")
     new, holes = statistics.next_places(found.places, table, coming)
     expected = [100 * statistics.expected_success(found.places, table, curve) / curve.top for curve in curves]
     summary: dict[str, Any] = {

@@ -44,7 +44,9 @@ def check_dataset(data: RobotDataSet) -> list[Check]:
     streams = ", ".join(sorted({stream for e in episodes for stream in e.lengths}))
     cameras = [(e, camera) for e in episodes for camera in e.cameras]
     units = list(data.units.itertuples())
-    unknown = [f"{row.part} {row.quantity}: {row.note}" if row.unit == "unknown" else "" for row in units]
+    unknown = [f"{row.part} {row.quantity}: {row.note}" if row.unit == "unknown" else f"{row.part} {row.quantity}: "
+               f"the units file says {row.unit}; {row.note}" if row.decided_by == "units file" and row.note else ""
+               for row in units]
     notes = Counter(note for e in episodes for note in e.notes)
 
     def each(name: str, judge: Callable[[RobotEpisode], str | None], good: str, absent: str = "") -> Check:

@@ -66,7 +66,7 @@ def _doubts(demos: RobotDataSet) -> tuple[str, ...]:
     checks = {check.name: check for check in check_dataset(demos)}
     told = [f"{name}: {checks[name].detail}" for name in DECIDING if checks[name].outcome == "differs"]
     told += [f"{row.part}: {row.quantity} in {row.unit}: {row.note}" for row in demos.units.itertuples()
-             if row.note and row.quantity in ("gripper", "position") and row.unit != "unknown"]
+             if row.note and row.quantity in ("gripper", "position", "joints") and row.unit != "unknown"]
     frames = sorted({f"{episode.part} ({episode.robot or 'arm not named'})" for episode in demos.episodes})
     return (*told, *[f"taken as places in one frame: {', '.join(frames)}"] * (len(frames) > 1))
 

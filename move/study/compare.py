@@ -162,7 +162,7 @@ def compare(first: Evaluated, second: Evaluated) -> Comparison:
     if first.task != second.task:
         raise BadInput(f"compare: {first.name} is of {first.task}, {second.name} of {second.task}; allowed is one task")
     if not first.rows or len(first.rows) != len(second.rows):
-        raise BadInput(f"compare: {len(first.rows)} and {len(second.rows)} episodes; allowed are as many")
+        raise BadInput(f"compare: {len(first.rows)} and {len(second.rows)} episodes; allowed is one number in both")
     for row, paired in zip(first.rows, second.rows, strict=True):
         if not _begin_alike(row, paired):
             raise BadInput(f"compare: trial {row.trial} of {first.name} and {paired.trial} of {second.name} did not "
