@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -44,9 +45,7 @@ def check_dataset(data: RobotDataSet) -> list[Check]:
     streams = ", ".join(sorted({stream for e in episodes for stream in e.lengths}))
     cameras = [(e, camera) for e in episodes for camera in e.cameras]
     units = list(data.units.itertuples())
-    unknown = [f"{row.part} {row.quantity}: {row.note}" if row.unit == "unknown" else f"{row.part} {row.quantity}: "
-               f"the units file says {row.unit}; {row.note}" if row.decided_by == "units file" and row.note else ""
-               for row in units]
+    unknown = [_unit(row) for row in units]
     notes = Counter(note for e in episodes for note in e.notes)
 
     def each(name: str, judge: Callable[[RobotEpisode], str | None], good: str, absent: str = "") -> Check:
@@ -102,6 +101,14 @@ def _name(episode: RobotEpisode) -> str:
 
 def _counted(counts: Mapping[str, int]) -> str:
     return ", ".join(f"{stream} {count}" for stream, count in counts.items())
+
+
+def _unit(row: Any) -> str:
+    """What is wrong with a unit, a row of `units.units_table`: unknown, or a units file's that does not fit."""
+    name = f"{row.part} {row.quantity}"
+    if row.unit == "unknown":
+        return f"{name}: {row.note}"
+    return f"{name}: the units file says {row.unit}; {row.note}" if row.decided_by == "units file" and row.note else ""
 
 
 def _unequal(episode: RobotEpisode) -> str | None:

@@ -87,9 +87,10 @@ def read(part: Part, ref: EpisodeRef) -> Recording:
         notes.append(f"all {joints.shape[1]} columns of the joints are taken as joints, none as a gripper")
     if (fingers := streams.get("gripper")) is not None and fingers.size:
         fingers = fingers.reshape(len(fingers), -1)
-        alike = fingers.dtype.kind in "iuf" and np.allclose(fingers, fingers[:, :1], rtol=1e-6, equal_nan=True)
-        streams["gripper"] = fingers[:, 0] if alike or fingers.shape[1] == 1 else None
-        if not alike and fingers.shape[1] > 1:
+        alike = fingers.shape[1] == 1 or (
+            fingers.dtype.kind in "iuf" and np.allclose(fingers, fingers[:, :1], rtol=1e-6, equal_nan=True))
+        streams["gripper"] = fingers[:, 0] if alike else None
+        if not alike:
             notes.append(f"a gripper of {fingers.shape[1]} columns that differ: not read")
     cameras = {key: _frames(path, key, range(shape[0])[rows]) for key, shape in arrays.items() if len(shape) == 4}
     simulated, videos = set(arrays) >= SIMULATION, _videos(part, ref)
