@@ -5,6 +5,7 @@ import warnings
 from dataclasses import replace
 
 import gymnasium
+import mujoco
 import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
@@ -178,6 +179,24 @@ def test_projection_finds_the_object_in_the_picture(angle):
     rows, columns = np.nonzero(np.abs(with_object - without).sum(-1) > 30)
     assert len(rows) > 4
     assert (columns.mean() + 0.5, rows.mean() + 0.5) == pytest.approx((column, row), abs=1.5)
+
+
+@needs_gl
+@pytest.mark.parametrize("task", ["pick-place", "window-open", "hammer"])
+def test_what_is_out_of_view_is_not_drawn_and_no_pixel_changes(task):
+    scene, drawn = Scene(task, "rgb", 96), []
+    renderer = scene._world.renderer(96)
+    boxes, everything = renderer.boxes, renderer._renderer.scene
+    for seed in range(20):
+        scene.reset(seed=seed)
+        scene.step(np.random.default_rng(seed).uniform(-1, 1, scene.action_space.shape))
+        renderer.boxes = boxes
+        image = scene.render_image(96)
+        drawn.append(sum(geom.type != mujoco.mjtGeom.mjGEOM_NONE for geom in everything.geoms[: everything.ngeom]))
+        renderer.boxes = None
+        assert np.array_equal(image, scene.render_image(96))
+    renderer.boxes = boxes
+    assert min(drawn) < max(drawn) < everything.ngeom
 
 
 @needs_gl
