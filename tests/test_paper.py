@@ -7,6 +7,7 @@ import pytest
 
 from move import paper
 from move.errors import BadInput
+from move.figures import table2_main
 from move.figures.tables.rates import with_paper
 
 # Copied by eye, in the order and the units in which the paper prints them; never from `move.paper`.
@@ -134,3 +135,12 @@ def test_a_join_that_would_be_ambiguous_or_empty_is_refused(on, experiment, metr
     ours = pd.DataFrame({"where": ["inside"], "method": ["move"], "factors": ["all"]})
     with pytest.raises(BadInput, match="allowed"):
         with_paper(ours, experiment, on, metric)
+
+
+def test_of_some_tasks_alone_the_papers_mean_is_that_of_these_tasks():
+    def means(*tasks):
+        rates = pd.DataFrame([{"task": task, "method": "move", "value": 0.5} for task in tasks])
+        return table2_main._means({"": with_paper(rates, "table2_main", on=["task", "method"])}).paper.tolist()
+
+    assert means("push", "hammer") == [pytest.approx((0.410 + 0.309) / 2)]
+    assert means(*paper.PAPER_TASKS) == [0.391]

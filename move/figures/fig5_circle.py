@@ -14,7 +14,7 @@ from move.figures.page.captions import COSTS, DIFFERENCES, INTERVALS, RATES, Wor
 from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Observation, Repeats, Seeds
 from move.figures.plots import maps
-from move.figures.plots.panels import key_under
+from move.figures.plots.panels import empty_panel, key_under
 from move.figures.plots.style import NAMES, PAGE_WIDTH, titles
 from move.figures.tables import (
     differences_at,
@@ -80,7 +80,11 @@ def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:
         key_under(axes[0], maps.GRASP_POINT)
     rates = data.with_missing(tables["hand"], ["hand", "method"])
     for ax, where in zip(axes[2:], ("inside", "outside"), strict=True):
-        by_hand(rates[(rates["where"] == where) | rates["where"].isna()], ax)  # NaN: both are missing
+        rows = rates[(rates["where"] == where) | rates["where"].isna()]  # NaN: both are missing
+        if rows.empty:
+            empty_panel(f"no place {where}\nwas tried", ax)
+        else:
+            by_hand(rows, ax)
     axes[3].set_ylabel("")
     titles(axes, ["static", "MOVE", "inside", "outside"])
     return figure

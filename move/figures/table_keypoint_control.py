@@ -35,17 +35,17 @@ REPEATED = True
 
 
 def runs(
-    profile: Profile, timesteps: Count = 2500, seeds: Seeds = 3, episodes: Count = 100,
-    larger: Count = 10_000, larger_tasks: tuple[str, ...] = ("assembly", "hammer", "basketball"),
+    profile: Profile, tasks: tuple[str, ...] = PAPER_TASKS, timesteps: Count = 2500, seeds: Seeds = 3,
+    episodes: Count = 100, larger: Count = 10_000, larger_tasks: tuple[str, ...] = ("assembly", "hammer", "basketball"),
 ) -> list[LabelledRun]:
-    """Every task, three methods at one budget, and each task's floor and ceiling.
+    """Each task, three methods at one budget, and each task's floor and ceiling.
 
     The tasks that stay near their floor, `larger_tasks`, get a `larger` budget as well, alike for all methods.
     """
     base = partial(policy_run, profile, observation="keypoints", image_size=UNUSED_IMAGE_SIZE, episodes=episodes)
-    policies = [run for seed in range(seeds) for budget, tasks in ((timesteps, PAPER_TASKS), (larger, larger_tasks))
-                for run in grid(base, seed=[seed], timesteps=[budget], task=tasks, method=PAPER_METHODS)]
-    return policies + floors_and_ceilings(PAPER_TASKS, episodes)
+    policies = [run for seed in range(seeds) for budget, some in ((timesteps, tasks), (larger, larger_tasks))
+                for run in grid(base, seed=[seed], timesteps=[budget], task=some, method=PAPER_METHODS)]
+    return policies + floors_and_ceilings(tasks, episodes)
 
 
 def tables(data: Data, *, timesteps: int, larger: int) -> dict[str, pd.DataFrame]:
