@@ -7,6 +7,7 @@ What is imported stays to the end, so the garbage collector does not look throug
 
 import gc
 import subprocess
+import sys
 import tempfile
 from importlib.util import find_spec
 from pathlib import Path
@@ -21,6 +22,7 @@ OF_ENVIRONMENTS = ("dm_control", "gym_aloha", "gymnasium_robotics", "ogbench", "
 collect_ignore = [] if all(map(find_spec, OF_ENVIRONMENTS)) else ["environments"]
 
 gc.disable()  # until everything is imported
+sys.modules.setdefault("rfc3987_syntax", None)  # nbformat would build its grammars: 1.5 s
 one_thread_in_children()
 one_thread()
 
