@@ -24,17 +24,13 @@ from pydantic import BaseModel, Field, ValidationError
 from move.errors import BadInput
 from move.realworld.episode import EpisodeRef, Part, Recording, make_recording
 from move.realworld.frames import Frames, from_bytes, from_files, from_video
+from move.realworld.lerobot_files import DATA, V2, V3, VIDEO
 from move.realworld.piper import is_piper
 from move.realworld.state_columns import arm_streams, flat_names
 from move.realworld.untrusted_names import fill_template, inside
 from move.untrusted import parse_json, read_json, read_text, reading, within
 from move.validation import first_problem
 
-V2, V3 = "lerobot_v2", "lerobot_v3"
-DATA = {V2: "data/chunk-{episode_chunk:03d}/episode_{episode_index:06d}.parquet",
-        V3: "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"}
-VIDEO = {V2: "videos/chunk-{episode_chunk:03d}/{video_key}/episode_{episode_index:06d}.mp4",
-         V3: "videos/{video_key}/chunk-{chunk_index:03d}/file-{file_index:03d}.mp4"}
 STATE = ("observation.state", "observation.states", "states", "state")
 ACTION = ("action", "actions")
 POSE_WORDS = ("eef", "ee_pose", "end_pose", "endpose")
