@@ -30,7 +30,7 @@ PIKA_POSE = "end effector is the Pika's own localisation: its frame is the track
 
 
 def metadata(files: Sequence[str]) -> list[str]:
-    """None: an HDF5 file is read whole or not at all."""
+    """None: the names of files and folders tell the episodes."""
     return []
 
 
