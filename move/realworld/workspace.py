@@ -29,16 +29,12 @@ def coverage(points_m: np.ndarray) -> pd.DataFrame:
     Returns:
         Columns column, row (whole numbers), x_m, y_m (centres), visits.
     """
-    points_m = np.asarray(points_m, dtype=float).reshape(-1, 2)
-    points_m = points_m[np.isfinite(points_m).all(axis=1)]
     half = int(np.ceil(REAL_RADIUS_M / CELL_M))
-    visits = np.zeros((half, 2 * half), dtype=int)
-    place = np.floor(points_m / CELL_M).astype(int) + [0, half]
-    inside = ((place >= 0) & (place < visits.shape)).all(axis=1)
-    np.add.at(visits, tuple(place[inside].T), 1)
+    far, (x, y) = half * CELL_M, np.asarray(points_m, dtype=float).T
+    visits, *_ = np.histogram2d(x, y, bins=[half, 2 * half], range=[(0, far), (-far, far)])
     column, row = np.indices(visits.shape).reshape(2, -1)
     cells = pd.DataFrame({"column": column, "row": row - half, "x_m": (column + 0.5) * CELL_M,
-                          "y_m": (row - half + 0.5) * CELL_M, "visits": visits.ravel()})
+                          "y_m": (row - half + 0.5) * CELL_M, "visits": visits.ravel().astype(int)})
     return cells[np.hypot(cells["x_m"], cells["y_m"]) <= REAL_RADIUS_M].reset_index(drop=True)
 
 
@@ -78,25 +74,22 @@ def positions(episode: RobotEpisode) -> np.ndarray | None:
         (T, 3) m, NaN where a joint is not finite; None for another arm, where neither was recorded, and where the
         joints are beyond PIPER's limits and so are another arm's or in another unit.
     """
-    if _why_no_positions(episode):
-        return None
-    if episode.joints is not None and episode.joints.shape[1] == 6:
-        return forward_kinematics(episode.joints)[:, :3]
-    return None if episode.end_effector is None else episode.end_effector[:, :3]
+    return None if isinstance(found := _positions(episode), str) else found
 
 
-def _why_no_positions(episode: RobotEpisode) -> str:
-    joints = episode.joints
+def _positions(episode: RobotEpisode) -> np.ndarray | str:
+    """`positions`, or in words why there are none."""
+    joints, pose = episode.joints, episode.end_effector
     if not is_piper(episode.robot):
         return f"the arm is {episode.robot or 'not named'}, not PIPER"
     if joints is not None and joints.shape[1] == 6:
-        return "joints beyond PIPER's limits" if outside_limits(joints) else ""
-    return "" if episode.end_effector is not None else "no six joints and no pose in known units"
+        return "joints beyond PIPER's limits" if outside_limits(joints) else forward_kinematics(joints)[:, :3]
+    return "no six joints and no pose in known units" if pose is None else pose[:, :3]
 
 
 def why_no_positions(episodes: Sequence[RobotEpisode]) -> str:
     """Why some episodes have no `positions`, in words for a figure; "" where all have them."""
-    reasons = Counter(filter(None, map(_why_no_positions, episodes)))
+    reasons = Counter(found for found in map(_positions, episodes) if isinstance(found, str))
     told = "; ".join(f"{count} of {len(episodes)} episodes: {reason}" for reason, count in reasons.items())
     return f"no trajectory of the hand: {told}" if told else ""
 
@@ -194,14 +187,13 @@ def action_table(episodes: Sequence[RobotEpisode]) -> pd.DataFrame:
     for e in episodes:
         if e.action is not None:
             groups.setdefault((e.method, e.action.shape[1]), []).append(e)
-    rows = []
+    tables = []
     for (method, width), alike in sorted(groups.items()):
-        stated = alike[0].action_names
-        names = stated if len(stated) == width else tuple(map(str, range(width)))
-        values = np.vstack([e.action for e in alike if e.action is not None])
-        change = np.vstack([np.abs(np.diff(e.action, axis=0)) for e in alike if e.action is not None])
-        for name, column, steps in zip(names, values.T, change.T, strict=True):
-            column, steps = pd.Series(column[np.isfinite(column)]), pd.Series(steps[np.isfinite(steps)])
-            rows.append({"method": method, "component": name, "mean": column.mean(), "sd": column.std(ddof=0),
-                         "lowest": column.min(), "highest": column.max(), "mean_step": steps.mean()})
-    return pd.DataFrame(rows)
+        stated, actions = alike[0].action_names, [e.action for e in alike if e.action is not None]
+        steps = [np.abs(np.diff(action, axis=0)) for action in actions]
+        values, change = (pd.DataFrame(np.vstack(rows)).replace([np.inf, -np.inf], np.nan) for rows in (actions, steps))
+        tables.append(pd.DataFrame({
+            "method": method, "component": stated if len(stated) == width else list(map(str, range(width))),
+            "mean": values.mean(), "sd": values.std(ddof=0), "lowest": values.min(), "highest": values.max(),
+            "mean_step": change.mean()}))
+    return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame()
