@@ -79,15 +79,11 @@ def written_aside(path: Path) -> Iterator[Path]:
 
 def put_away_remains(path: Path) -> None:
     """Put away what a killed process of this machine left next to `path`."""
-    _put_away(path.parent, re.escape(path.name))
+    put_away_all_remains(path.parent, re.escape(path.name))
 
 
-def put_away_all_remains(folder: Path) -> None:
-    """Put away what killed processes of this machine left in `folder`, whatever they wrote."""
-    _put_away(folder, ".+")
-
-
-def _put_away(folder: Path, names: str) -> None:
+def put_away_all_remains(folder: Path, names: str = ".+") -> None:
+    """Put away what killed processes of this machine left in `folder`, of what they wrote to `names`, an expression."""
     left = re.compile(rf"\.({names})\.{re.escape(HOST)}\.(\d+)\.(part|old)")
     for found in list(folder.iterdir()) if folder.is_dir() else []:
         if (match := left.fullmatch(found.name)) and not _is_alive(int(match[2])):
