@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -17,7 +18,7 @@ CELL_M = 0.05  # side of a cell of the table
 HOLD_STEPS = 3  # shortest time that counts as a grasp, timesteps
 LEAST_TRAVEL = 0.1  # a gripper's range smaller than this share of its largest value is noise: no grasp
 STRIP_FRAMES = 6
-PATH = ["method", "part", "index", "step", "x_m", "y_m", "z_m", "grasped"]
+
 
 def coverage(points_m: np.ndarray) -> pd.DataFrame:
     """How often each square cell of the table was visited; cells whose centre lies in the half disc x >= 0.
@@ -38,13 +39,13 @@ def coverage(points_m: np.ndarray) -> pd.DataFrame:
     return cells[np.hypot(cells["x_m"], cells["y_m"]) <= REAL_RADIUS_M].reset_index(drop=True)
 
 
-def grasp_step(gripper: np.ndarray) -> int | None:
+def grasp_step(gripper: np.ndarray | None) -> int | None:
     """The first step of the longest time the gripper stays closed.
 
     Closed means below the middle of the signal's own range, so the result does not depend on its unit.
 
     Args:
-        gripper: (T,), larger is wider open.
+        gripper: (T,), larger is wider open; None: not recorded.
 
     Returns:
         A timestep, or None where nothing was grasped.
@@ -52,8 +53,7 @@ def grasp_step(gripper: np.ndarray) -> int | None:
     >>> grasp_step(np.array([9, 9, 9, 6, 6, 6, 6, 9.0]))
     3
     """
-    gripper = np.asarray(gripper, dtype=float)
-    if len(gripper) < HOLD_STEPS + 1 or not np.isfinite(gripper).all():
+    if gripper is None or len(gripper) < HOLD_STEPS + 1 or not np.isfinite(gripper).all():
         return None
     low, high = gripper.min(), gripper.max()
     if high - low < LEAST_TRAVEL * max(abs(high), 1e-12):
@@ -94,23 +94,27 @@ def why_no_positions(episodes: Sequence[RobotEpisode]) -> str:
     return f"no trajectory of the hand: {told}" if told else ""
 
 
+def stacked(pieces: Iterable[tuple[RobotEpisode, Mapping[str, Any]]], columns: Sequence[str]) -> pd.DataFrame:
+    """One table of several episodes: method, part and index of each, and behind them its own `columns`."""
+    tables = [pd.DataFrame({"method": e.method, "part": e.part, "index": e.index, **own}) for e, own in pieces]
+    whole = ["method", "part", "index", *columns]
+    return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=whole)
+
+
 def joint_table(episodes: Sequence[RobotEpisode]) -> pd.DataFrame:
     """Joint angles of the episodes that have no `positions`, one row a timestep and joint.
 
     Returns:
         Columns method, part, index, time_s, joint and degrees; a joint without a name is called by its number.
     """
-    tables = []
+    pieces = []
     for e in episodes:
-        if e.joints is None or positions(e) is not None:
-            continue
-        count = e.joints.shape[1]
-        names = e.joint_names or [f"joint {n + 1}" for n in range(count)]
-        tables.append(pd.DataFrame({
-            "method": e.method, "part": e.part, "index": e.index, "time_s": np.repeat(e.timestamps_s, count),
-            "joint": np.tile(names, e.timesteps), "degrees": np.degrees(e.joints).ravel()}))
-    columns = ["method", "part", "index", "time_s", "joint", "degrees"]
-    return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=columns)
+        if e.joints is not None and positions(e) is None:
+            count = e.joints.shape[1]
+            names = e.joint_names or [f"joint {n + 1}" for n in range(count)]
+            pieces.append((e, {"time_s": np.repeat(e.timestamps_s, count), "joint": np.tile(names, e.timesteps),
+                               "degrees": np.degrees(e.joints).ravel()}))
+    return stacked(pieces, ["time_s", "joint", "degrees"])
 
 
 def length_table(episodes: Sequence[RobotEpisode]) -> pd.DataFrame:
@@ -122,16 +126,13 @@ def length_table(episodes: Sequence[RobotEpisode]) -> pd.DataFrame:
 
 def path_table(episodes: Sequence[RobotEpisode]) -> pd.DataFrame:
     """Every timestep of every episode with `positions`: method, part, index, step, x_m, y_m, z_m, grasped (bool)."""
-    tables = []
+    pieces = []
     for e in episodes:
-        if (place := positions(e)) is None:
-            continue
-        steps = np.arange(e.timesteps)
-        start = grasp_step(e.gripper) if e.gripper is not None else None
-        tables.append(pd.DataFrame({
-            "method": e.method, "part": e.part, "index": e.index, "step": steps, "x_m": place[:, 0],
-            "y_m": place[:, 1], "z_m": place[:, 2], "grasped": steps >= (e.timesteps if start is None else start)}))
-    return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=PATH)
+        if (place := positions(e)) is not None:
+            start, steps = grasp_step(e.gripper), np.arange(e.timesteps)
+            pieces.append((e, {"step": steps, "x_m": place[:, 0], "y_m": place[:, 1], "z_m": place[:, 2],
+                               "grasped": steps >= (e.timesteps if start is None else start)}))
+    return stacked(pieces, ["step", "x_m", "y_m", "z_m", "grasped"])
 
 
 def coverage_by_method(table: pd.DataFrame) -> pd.DataFrame:
