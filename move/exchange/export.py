@@ -42,7 +42,7 @@ from move.sim.demonstrations import Demonstrations
 from move.sim.observe import keypoint_names
 from move.sim.scene.scene import Scene
 from move.sim.tasks import TASKS
-from move.validation import first_problem
+from move.validation import validated
 from move.video import write_video
 
 FORMATS = ("lerobot", "zarr")
@@ -72,10 +72,7 @@ class Origin(BaseModel):
         Raises:
             BadInput: a task, a robot or a rate that is none.
         """
-        try:
-            return cls.model_validate({"task": dataset.task_of(attributes) or "unknown", **attributes})
-        except ValidationError as error:
-            raise BadInput(f"attributes: {first_problem(error)}") from error
+        return validated(cls, {"task": dataset.task_of(attributes) or "unknown", **attributes}, "attributes")
 
 
 def export(data: Path, out: Path, form: str, clip_actions: bool = False, whole_episodes: bool = False

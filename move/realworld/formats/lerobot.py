@@ -19,7 +19,7 @@ from typing import Annotated, Any
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
-from pydantic import BaseModel, Field, ValidationError
+from pydantic import BaseModel, Field
 
 from move.errors import BadInput
 from move.realworld.episode import EpisodeRef, Part, Recording, make_recording
@@ -29,7 +29,7 @@ from move.realworld.piper import is_piper
 from move.realworld.state_columns import arm_streams, flat_names
 from move.realworld.untrusted_names import fill_template, inside
 from move.untrusted import parse_json, read_json, read_text, reading, within
-from move.validation import first_problem
+from move.validation import validated
 
 STATE = ("observation.state", "observation.states", "states", "state")
 ACTION = ("action", "actions")
@@ -147,10 +147,7 @@ def _read_info(part: Part) -> _Info:
     """Read `meta/info.json` and check its version."""
     path, version = inside(part.root, "meta/info.json"), part.layout.removeprefix("lerobot_")
     content = read_json(path, "the info.json of a LeRobot data set")
-    try:
-        info = _Info.model_validate(content)
-    except ValidationError as error:
-        raise BadInput(f"{path}: {first_problem(error)}; found keys {sorted(content)[:12]}") from error
+    info = validated(_Info, content, str(path), f"; found keys {sorted(content)[:12]}")
     if not info.codebase_version.startswith(version):
         raise BadInput(f"{path}: codebase_version is {info.codebase_version!r}; its files look like {version}.x")
     return info
