@@ -146,14 +146,11 @@ def score_distributions(successes: int, score: int, trials: int = REAL_TRIALS) -
         raise BadInput(f"score {score} with {successes} successes of {trials} trials: allowed are {least}..{most}")
     rest, points = trials - successes, score - REAL_POINTS * successes
     rows = []
-    for two in range(points // 2 + 1):
-        one = points - 2 * two
-        zero = rest - one - two
-        if zero >= 0:
-            kinds = (zero, one, two)
-            mean = score / trials
-            spread = sum(count * (value - mean)**2 for value, count in enumerate((*kinds, successes))) / (trials - 1)
-            ways = factorial(rest) // prod(factorial(kind) for kind in kinds)
-            rows.append({"zero": zero, "one": one, "two": two, "three": successes, "sd": spread**0.5, "weight": ways})
+    for two in range(max(0, points - rest), points // 2 + 1):
+        kinds = (rest - points + two, points - 2 * two, two)
+        squares = sum(count * (value - score / trials)**2 for value, count in enumerate((*kinds, successes)))
+        rows.append({**dict(zip(("zero", "one", "two"), kinds, strict=True)), "three": successes,
+                     "sd": (squares / (trials - 1))**0.5,
+                     "weight": factorial(rest) // prod(factorial(kind) for kind in kinds)})
     table = pd.DataFrame(rows)
     return table.assign(weight=[float(ways / sum(table["weight"])) for ways in table["weight"]])
