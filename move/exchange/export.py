@@ -207,11 +207,7 @@ def _info(demonstrations: Demonstrations, origin: Origin) -> dict[str, Any]:
 
 def _episodes(demonstrations: Demonstrations, numbers: dict[str, np.ndarray], origin: Origin
               ) -> tuple[list[dict[str, Any]], list[dict[str, Stats]]]:
-    """One row an episode of the episode table: its frames, its seconds of video, its statistics; and these by feature.
-
-    Args:
-        numbers: every column of the data file.
-    """
+    """One row an episode of the episode table, and by feature the statistics that it holds."""
     rows, stats = [], []
     for index, (end, length) in enumerate(zip(demonstrations.episode_ends, demonstrations.lengths, strict=True)):
         start = end - length

@@ -176,8 +176,7 @@ def _row(about: Recording, quantity: str, values: np.ndarray, given: Mapping[str
          ) -> UnitRow:
     """Decide one quantity: by the units file, else by what names, the arm or the rate state, else by its size.
 
-    Args:
-        apart: why the numbers cannot be of one unit, or "".
+    `apart` says why its numbers cannot be of one unit, or nothing.
     """
     low, high = float(values.min()), float(values.max())
     largest = _size(quantity, values)

@@ -83,11 +83,7 @@ def _marked(path: Path, minutes: float) -> dict[str, Any]:
 
 
 def _read(path: Path) -> tuple[str, list[str]]:
-    """Which tutorial a notebook is, and its code cells; after that of the parameters one with those of `SMALL`.
-
-    Raises:
-        ValueError: it cannot be read, or asks for no exercise of a tutorial.
-    """
+    """Which tutorial a notebook is, and its code cells; after that of the parameters one with those of `SMALL`."""
     import nbformat
 
     try:

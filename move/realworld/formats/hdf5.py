@@ -128,11 +128,7 @@ def _gap(data: h5py.Dataset) -> str:
 
 
 def _values(file: h5py.File, key: str) -> np.ndarray:
-    """All numbers of a data set.
-
-    Raises:
-        BadInput: a group, or no real numbers.
-    """
+    """All numbers of a data set; a group, or what is no real number, is refused."""
     data = file[key]
     if not isinstance(data, h5py.Dataset) or data.dtype.kind not in "biuf":
         kind = data.dtype if isinstance(data, h5py.Dataset) else "a group"
