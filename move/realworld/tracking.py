@@ -105,14 +105,11 @@ def object_speeds(places: pd.DataFrame, *, metres_per_pixel: float | None = None
     for (method, part, index), looked in places.groupby(["method", "part", "index"], sort=False):
         centres = looked[["row", "column"]].to_numpy(float) * (metres_per_pixel or 1.0)
         times = looked["time_s"].to_numpy(float)
-        pace = speeds(centres, times)
-        known = np.isfinite(pace)
+        pace = pd.Series(speeds(centres, times)).replace(np.inf, np.nan)
         rows.append({
             "method": method, "part": part, "index": index, "frames": len(looked),
-            "seen": float(np.isfinite(centres[:, 0]).mean()),
-            "mean_speed": float(pace[known].mean()) if known.any() else np.nan, "travelled": float(
-                (pace * np.diff(times))[known].sum()) if known.any() else np.nan,
-            "unit": "m" if metres_per_pixel else "px",
+            "seen": float(np.isfinite(centres[:, 0]).mean()), "mean_speed": pace.mean(),
+            "travelled": (pace * np.diff(times)).sum(min_count=1), "unit": "m" if metres_per_pixel else "px",
         })
     return pd.DataFrame(rows, columns=["method", "part", "index", "frames", "seen", "mean_speed", "travelled", "unit"])
 
