@@ -216,11 +216,6 @@ def from_files(paths: Sequence[Path]) -> Frames:
     return Frames(source, count, lambda numbers: (paths[number].read_bytes() for number in numbers))
 
 
-def from_bytes(images: Sequence[bytes], source: str) -> Frames:
-    """Encoded images already in memory, as in a parquet column."""
-    return Frames(source, lambda: len(images), lambda numbers: (images[number] for number in numbers))
-
-
 def from_hdf5(path: Path, key: str, *, bgr: bool = False) -> Frames:
     """A dataset (T, H, W, 3), (T, 3, H, W), (T, padded JPEG bytes) or (T,) of encoded bytes in an HDF5 file."""
     def count() -> int:

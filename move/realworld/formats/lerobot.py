@@ -23,7 +23,7 @@ from pydantic import BaseModel, Field
 
 from move.errors import BadInput
 from move.realworld.episode import EpisodeRef, Part, Recording, make_recording
-from move.realworld.frames import Frames, from_bytes, from_files, from_video
+from move.realworld.frames import Frames, from_files, from_video
 from move.realworld.lerobot_files import DATA, V2, V3, VIDEO
 from move.realworld.piper import is_piper
 from move.realworld.state_columns import arm_streams, flat_names
@@ -200,7 +200,7 @@ def _image_frames(part: Part, table: pa.Table, key: str, source: Path) -> Frames
     """Frames stored in a parquet column, as bytes or as paths inside the data set; none where there is no column."""
     cells = table[key].to_pylist() if key in table.column_names else []
     if all(isinstance(cell, dict) and cell.get("bytes") for cell in cells):
-        return from_bytes([cell["bytes"] for cell in cells], f"{source}:{key}")
+        return Frames(f"{source}:{key}", lambda: len(cells), lambda numbers: (cells[n]["bytes"] for n in numbers))
     return from_files([inside(part.root, cell["path"] if isinstance(cell, dict) else cell) for cell in cells])
 
 

@@ -70,11 +70,10 @@ def read(part: Part, ref: EpisodeRef) -> Recording:
 def _sensors(folder: Path) -> tuple[dict[str, Path], list[str]]:
     """The folder of each stream and each camera, and a note where the pose is not the arm's."""
     notes: list[str] = []
-    arms = folder / "arm/jointState"
-    arm = hdf5.pika_sensor(_folders(arms), hdf5.PIKA_ARMS, notes)
-    leader = str(arm).replace("puppet", "master")
+    arm = _choose(folder / "arm/jointState", hdf5.PIKA_ARMS, notes)
+    leader = arm and arm.with_name(arm.name.replace("puppet", "master"))
     found = {
-        "joints": arms / arm if arm else None, "action": arms / leader if leader in _folders(arms) else None,
+        "joints": arm, "action": leader if leader and leader.is_dir() else None,
         "end_effector": _choose(folder / "arm/endPose", hdf5.PIKA_ARMS, []),
         "gripper": _choose(folder / "gripper/encoder", hdf5.PIKA_GRIPPERS, notes),
     }
