@@ -15,6 +15,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+import psutil
+
 from move.errors import BadInput
 
 HOST = re.sub(r"\W", "-", platform.node())[:32]
@@ -79,18 +81,14 @@ def written_aside(path: Path) -> Iterator[Path]:
 
 def put_away_remains(path: Path) -> None:
     """Put away what a killed process of this machine left next to `path`."""
-    _put_away(path.parent, re.escape(path.name))
+    put_away_all_remains(path.parent, re.escape(path.name))
 
 
-def put_away_all_remains(folder: Path) -> None:
-    """Put away what killed processes of this machine left in `folder`, whatever they wrote."""
-    _put_away(folder, ".+")
-
-
-def _put_away(folder: Path, names: str) -> None:
-    left = re.compile(rf"\.({names})\.{re.escape(HOST)}\.(\d+)\.(part|old)")
+def put_away_all_remains(folder: Path, names: str = ".+") -> None:
+    """Put away what killed processes of this machine left in `folder`, of what they wrote to `names`, an expression."""
+    left = re.compile(rf"\.({names})\.{re.escape(HOST)}\.(\d{{1,9}})\.(part|old)")
     for found in list(folder.iterdir()) if folder.is_dir() else []:
-        if (match := left.fullmatch(found.name)) and not _is_alive(int(match[2])):
+        if (match := left.fullmatch(found.name)) and not psutil.pid_exists(int(match[2])):
             _settle(found, folder / match[1])
 
 
@@ -111,16 +109,6 @@ def _remove(path: Path) -> None:
         shutil.rmtree(path, ignore_errors=True)
     else:
         path.unlink(missing_ok=True)
-
-
-def _is_alive(process: int) -> bool:
-    try:
-        os.kill(process, 0)
-    except PermissionError:
-        return True
-    except (ProcessLookupError, OverflowError):
-        return False
-    return True
 
 
 def _cannot_write(path: Path, error: OSError | ValueError) -> BadInput:

@@ -17,10 +17,10 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field
 
 from move.errors import BadInput
-from move.validation import first_problem
+from move.validation import validated
 
 VARIABLE = "MOVE_LIMITS"
 _KINDS = {stat.S_IFLNK: "a symbolic link", stat.S_IFIFO: "a pipe", stat.S_IFSOCK: "a socket",
@@ -51,11 +51,7 @@ def limits() -> Limits:
     """
     pairs = [pair.partition("=") for pair in os.environ.get(VARIABLE, "").split(",") if pair]
     given = {name.strip(): number for name, _, number in pairs}
-    try:
-        return Limits.model_validate(given)
-    except ValidationError as error:
-        raise BadInput(f"{VARIABLE}: {first_problem(error)}; allowed: {', '.join(Limits.model_fields)}, such as "
-                       "rows=5e6") from error
+    return validated(Limits, given, VARIABLE, f"; allowed: {', '.join(Limits.model_fields)}, such as rows=5e6")
 
 
 def within(limit: str, amount: int, where: object) -> None:

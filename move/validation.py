@@ -19,10 +19,19 @@ def build(model: type[Model], **values: Any) -> Model:
     Raises:
         BadInput: what pydantic refuses, in one line.
     """
+    return validated(model, values)
+
+
+def validated(model: type[Model], content: Any, where: str = "", hint: str = "") -> Model:
+    """`content` as a `model`.
+
+    Raises:
+        BadInput: what pydantic refuses, in one line that begins with `where` it stood and ends with `hint`.
+    """
     try:
-        return model(**values)
+        return model.model_validate(content)
     except ValidationError as error:
-        raise BadInput(first_problem(error)) from error
+        raise BadInput(f"{where}{': ' if where else ''}{first_problem(error)}{hint}") from error
 
 
 def first_problem(error: ValidationError, whole: str = "settings") -> str:

@@ -8,6 +8,13 @@ from move.sim.methods import METHODS
 from move.sim.tasks import TASKS
 
 SIZES = {1_000: "n<1K", 10_000: "1K<n<10K", 100_000: "10K<n<100K", 1_000_000: "100K<n<1M"}  # as the Hub has them
+HOW = {
+    "static": "Nothing moves within a demonstration but the arm.",
+    "ADC": "Object and target jump to other places as the gripper comes near (adversarial data collection).",
+    "MOVE": "Object, target and camera move while the expert demonstrates.",
+    "mixture": "They are a mixture of several ways of collecting.",
+}
+"""What moved, by the method's title."""
 
 BODY = """
 # {title}
@@ -53,16 +60,8 @@ def dataset_card(info: dict[str, Any], attributes: dict[str, Any]) -> str:
     rows = [f"| `{name}` | {feature['dtype']} | {' x '.join(map(str, feature['shape']))} | {_names(feature['names'])} |"
             for name, feature in info["features"].items()]
     body = BODY.format(title=title, episodes=info["total_episodes"], timesteps=frames, fps=info["fps"],
-                       features="\n".join(rows), how=_how(method))
+                       features="\n".join(rows), how=HOW.get(method or "", ""))
     return f"---\n{front.to_yaml()}\n---\n{body}"
-
-
-def _how(method: str | None) -> str:
-    """What moved, in a sentence."""
-    return {"static": "Nothing moves within a demonstration but the arm.",
-            "ADC": "Object and target jump to other places as the gripper comes near (adversarial data collection).",
-            "MOVE": "Object, target and camera move while the expert demonstrates.",
-            "mixture": "They are a mixture of several ways of collecting."}.get(method or "", "")
 
 
 def _names(names: list[str] | None) -> str:

@@ -36,20 +36,18 @@ from move.exchange.card import dataset_card
 from move.exchange.feature_stats import Stats, feature_stats, pooled_stats
 from move.files import refuse_existing, written_aside
 from move.learn import dataset
-from move.realworld.lerobot_files import scalar_columns, scalar_features, vectors
+from move.realworld.lerobot_files import DATA, V3, VIDEO, scalar_columns, scalar_features, vectors
 from move.sim.collection import Collection
 from move.sim.demonstrations import Demonstrations
 from move.sim.observe import keypoint_names
 from move.sim.scene.scene import Scene
 from move.sim.tasks import TASKS
-from move.validation import first_problem
+from move.validation import validated
 from move.video import write_video
 
 FORMATS = ("lerobot", "zarr")
 STATE, ENVIRONMENT, CAMERA = "observation.state", "observation.environment_state", "observation.images.camera"
 EPISODES = "meta/episodes/chunk-000/file-000.parquet"
-DATA = "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
-VIDEO = "videos/{video_key}/chunk-{chunk_index:03d}/file-{file_index:03d}.mp4"
 FIRST = {"chunk_index": 0, "file_index": 0}  # one file holds all episodes
 # Colour is kept at full resolution and finely, because the object is a few pixels wide: about 1.5 of 255 levels are
 # lost on average. Every second frame is a key frame, so that any window can be read without decoding what lies
@@ -74,10 +72,7 @@ class Origin(BaseModel):
         Raises:
             BadInput: a task, a robot or a rate that is none.
         """
-        try:
-            return cls.model_validate({"task": dataset.task_of(attributes) or "unknown", **attributes})
-        except ValidationError as error:
-            raise BadInput(f"attributes: {first_problem(error)}") from error
+        return validated(cls, {"task": dataset.task_of(attributes) or "unknown", **attributes}, "attributes")
 
 
 def export(data: Path, out: Path, form: str, clip_actions: bool = False, whole_episodes: bool = False
@@ -148,21 +143,21 @@ def write_lerobot(demonstrations: Demonstrations, folder: Path, attributes: dict
     """
     origin = Origin.of(attributes)
     numbers = _numbers(demonstrations, origin.fps)
-    episodes = _episode_stats(demonstrations, numbers)
-    for name in (EPISODES, DATA.format(**FIRST)):
+    rows, stats = _episodes(demonstrations, numbers, origin)
+    for name in (EPISODES, DATA[V3].format(**FIRST)):
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
     columns = {name: vectors(values) if values.ndim == 2 else pa.array(values) for name, values in numbers.items()}
-    pq.write_table(pa.table(columns), folder / DATA.format(**FIRST))
-    pq.write_table(pa.Table.from_pylist(_episode_rows(demonstrations, episodes, origin)), folder / EPISODES)
+    pq.write_table(pa.table(columns), folder / DATA[V3].format(**FIRST))
+    pq.write_table(pa.Table.from_pylist(rows), folder / EPISODES)
     tasks = pd.DataFrame({"task_index": [0]}, index=pd.Index([origin.task], name="task"))
     tasks.to_parquet(folder / "meta/tasks.parquet")
     info = _info(demonstrations, origin)
     (folder / "README.md").write_text(dataset_card(info, attributes), encoding="utf-8")
-    for name, content in (("info", info), ("stats", pooled_stats(episodes)), ("move", attributes)):
+    for name, content in (("info", info), ("stats", pooled_stats(stats)), ("move", attributes)):
         (folder / f"meta/{name}.json").write_text(json.dumps(content, indent=1) + "\n")
     if demonstrations.has_images:
         images = demonstrations.observations
-        write_video(folder / VIDEO.format(video_key=CAMERA, **FIRST), images, images.shape[1:3], origin.fps,
+        write_video(folder / VIDEO[V3].format(video_key=CAMERA, **FIRST), images, images.shape[1:3], origin.fps,
                     PIXEL_FORMAT, VIDEO_OPTIONS)
 
 
@@ -205,35 +200,27 @@ def _info(demonstrations: Demonstrations, origin: Origin) -> dict[str, Any]:
         "codebase_version": "v3.0", "robot_type": origin.robot_type, "fps": origin.fps,
         "total_episodes": demonstrations.episodes, "total_frames": demonstrations.timesteps, "total_tasks": 1,
         "chunks_size": 1000, "data_files_size_in_mb": 100, "video_files_size_in_mb": 200,
-        "splits": {"train": f"0:{demonstrations.episodes}"}, "data_path": DATA,
-        "video_path": VIDEO if demonstrations.has_images else None, "features": {**features, **scalar_features()},
+        "splits": {"train": f"0:{demonstrations.episodes}"}, "data_path": DATA[V3],
+        "video_path": VIDEO[V3] if demonstrations.has_images else None, "features": {**features, **scalar_features()},
     }
 
 
-def _episode_rows(demonstrations: Demonstrations, stats: list[dict[str, Stats]], origin: Origin
-                  ) -> list[dict[str, Any]]:
-    """One row an episode of the episode table: its frames, its seconds of video, its statistics."""
-    rows = []
+def _episodes(demonstrations: Demonstrations, numbers: dict[str, np.ndarray], origin: Origin
+              ) -> tuple[list[dict[str, Any]], list[dict[str, Stats]]]:
+    """One row an episode of the episode table, and by feature the statistics that it holds."""
+    rows, stats = [], []
     for index, (end, length) in enumerate(zip(demonstrations.episode_ends, demonstrations.lengths, strict=True)):
+        start = end - length
+        found = {name: feature_stats(values[start:end].reshape(length, -1)) for name, values in numbers.items()}
         row = {"episode_index": index, "tasks": [origin.task], "length": int(length), "data/chunk_index": 0,
-               "data/file_index": 0, "dataset_from_index": int(end - length), "dataset_to_index": int(end),
+               "data/file_index": 0, "dataset_from_index": int(start), "dataset_to_index": int(end),
                "meta/episodes/chunk_index": 0, "meta/episodes/file_index": 0}
         if demonstrations.has_images:
+            found[CAMERA] = feature_stats(demonstrations.observations[start:end])
             row |= {f"videos/{CAMERA}/chunk_index": 0, f"videos/{CAMERA}/file_index": 0,
-                    f"videos/{CAMERA}/from_timestamp": (end - length) / origin.fps,
+                    f"videos/{CAMERA}/from_timestamp": start / origin.fps,
                     f"videos/{CAMERA}/to_timestamp": end / origin.fps}
-        rows.append(row | {f"stats/{feature}/{name}": value for feature, values in stats[index].items()
+        rows.append(row | {f"stats/{feature}/{name}": value for feature, values in found.items()
                            for name, value in values.items()})
-    return rows
-
-
-def _episode_stats(demonstrations: Demonstrations, numbers: dict[str, np.ndarray]) -> list[dict[str, Stats]]:
-    """Statistics of each episode, by feature."""
-    found = []
-    for end, length in zip(demonstrations.episode_ends, demonstrations.lengths, strict=True):
-        mine = slice(end - length, end)
-        stats = {name: feature_stats(values[mine].reshape(length, -1)) for name, values in numbers.items()}
-        if demonstrations.has_images:
-            stats[CAMERA] = feature_stats(demonstrations.observations[mine])
-        found.append(stats)
-    return found
+        stats.append(found)
+    return rows, stats

@@ -29,15 +29,9 @@ def feature_stats(values: np.ndarray) -> Stats:
     scale, shape = (255.0, (3, 1, 1)) if images else (1.0, (-1,))
     found = {"min": table.min(axis=0), "max": table.max(axis=0), "mean": table.mean(axis=0, dtype=np.float64),
              "std": table.std(axis=0, dtype=np.float64),
-             **dict(zip(QUANTILES, _quantiles(table), strict=True))}
+             **dict(zip(QUANTILES, np.quantile(table, list(QUANTILES.values()), axis=0, method="inverted_cdf"),
+                        strict=True))}
     return {**{name: (value / scale).reshape(shape).tolist() for name, value in found.items()}, "count": [len(values)]}
-
-
-def _quantiles(table: np.ndarray) -> np.ndarray:
-    """The quantiles of each column, (5, n)."""
-    ordered = np.sort(table, axis=0)
-    places = [max(0, int(np.ceil(share * len(table) - 1e-9)) - 1) for share in QUANTILES.values()]
-    return ordered[places]
 
 
 def pooled_stats(episodes: list[dict[str, Stats]]) -> dict[str, Stats]:

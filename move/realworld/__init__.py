@@ -14,7 +14,7 @@ grasps.py    where demonstrations grasp, from any data set
 tracking.py  where the orange is in the images
 checks.py    what was checked, for every layout alike: pass, differs or unknown
 piper.py     the arm's limits and kinematics
-lerobot_files.py  columns as LeRobot keeps them
+lerobot_files.py  files and columns as LeRobot has them
 sample.py    a small simulated data set in the real layout
 untrusted_names.py  names from a data set stay inside its folder and are no markup
 """

@@ -21,6 +21,7 @@ from move.paper import REAL_SIZES_TIMESTEPS, TABLE6_REAL_MEAN_TIMESTEPS
 from move.realworld.dataset import RobotDataSet
 from move.realworld.episode import RobotEpisode
 from move.realworld.piper import forward_kinematics, is_piper, outside_limits
+from move.realworld.workspace import length_table
 
 TOLERANCE = 0.05  # how far, as a share, a rate or a number of the paper may be missed
 DRIFT = 0.01  # how far, as a share, the time of a whole episode may be from what the stated rate gives
@@ -276,27 +277,24 @@ def _sizes(data: RobotDataSet) -> list[Check]:
     """Compare each part's number of timesteps with the paper's 35k and 75k."""
     checks = []
     for row in data.contents.itertuples():
-        name = f"{row.part}: size is one of the paper's"
-        if np.isnan(row.timesteps):
-            checks.append(Check(name, "unknown", "its size is known only when all its episodes are read"))
-            continue
-        near = min(REAL_SIZES_TIMESTEPS, key=lambda size: abs(size - row.timesteps))
-        close = abs(row.timesteps / near - 1) <= TOLERANCE
-        checks.append(Check(name, "pass" if close else "differs", f"{row.timesteps:,.0f} timesteps; nearest {near:,}"))
+        name, steps = f"{row.part}: size is one of the paper's", row.timesteps
+        near = min(REAL_SIZES_TIMESTEPS, key=lambda size: abs(size - steps))
+        checks.append(Check(name, "unknown", "its size is known only when all its episodes are read")
+                      if np.isnan(steps) else _near(name, steps, near, f"{steps:,.0f} timesteps; nearest {near:,}"))
     return checks
 
 
 def _mean_lengths(data: RobotDataSet) -> list[Check]:
     """Compare the mean length of each method's demonstrations with the paper's."""
     checks = []
-    for method in sorted({episode.method for episode in data.episodes}):
-        name = f"{method}: mean length is the paper's"
-        lengths = [episode.timesteps for episode in data.episodes if episode.method == method]
-        wanted = TABLE6_REAL_MEAN_TIMESTEPS.get(method)
-        detail = f"{np.mean(lengths):.1f} timesteps over {len(lengths)} episodes read"
-        if wanted is None:
-            checks.append(Check(name, "unknown", f"{detail}; the paper gives none for {method!r}"))
-        else:
-            close = abs(np.mean(lengths) / wanted - 1) <= TOLERANCE
-            checks.append(Check(name, "pass" if close else "differs", f"{detail}; paper {wanted}"))
+    for row in length_table(data.episodes).itertuples():
+        name, wanted = f"{row.method}: mean length is the paper's", TABLE6_REAL_MEAN_TIMESTEPS.get(row.method)
+        detail = f"{row.mean_timesteps:.1f} timesteps over {row.episodes} episodes read"
+        checks.append(Check(name, "unknown", f"{detail}; the paper gives none for {row.method!r}") if wanted is None
+                      else _near(name, row.mean_timesteps, wanted, f"{detail}; paper {wanted}"))
     return checks
+
+
+def _near(name: str, number: float, wanted: float, detail: str) -> Check:
+    """Whether a number is the paper's."""
+    return Check(name, "pass" if abs(number / wanted - 1) <= TOLERANCE else "differs", detail)

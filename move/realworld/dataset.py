@@ -164,10 +164,9 @@ def _read(part: Part, episodes: int | Sequence[int] | None, given: dict[str, str
     read = [convert(recording, units, given, method) for recording in recordings]
     log(f"{part.name}: {layout.title}, read {len(read)} of {len(refs)} episodes")
     found = {episode.index: episode.timesteps for episode in read}
-    lengths = [found.get(ref.index, ref.timesteps) for ref in refs]
-    total = float("nan") if None in lengths else float(sum(length or 0 for length in lengths))
-    summary = {"part": part.name, "method": method, "layout": layout.title, "episodes": len(refs), "timesteps": total,
-               "episodes_read": len(read)}
+    lengths = pd.Series([found.get(ref.index, ref.timesteps) for ref in refs], dtype=float)
+    summary = {"part": part.name, "method": method, "layout": layout.title, "episodes": len(refs),
+               "timesteps": lengths.sum(skipna=False), "episodes_read": len(read)}
     return _Piece(read, units, unread, layout.lacking(part, refs), summary)
 
 

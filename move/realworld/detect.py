@@ -45,16 +45,12 @@ def detect(files: Sequence[str], root: Path) -> list[Part]:
         within("parts", len(parts) + len(found), root)
         for prefix in sorted(found, key=len, reverse=True):
             part = _claim(prefix, layout, left, root)
-            left -= {_full(prefix, file) for file in part.files}
+            left -= {prefix} if prefix.endswith(".zip") else {prefix + file for file in part.files}
             parts.append(part)
     parts = [part for part in parts if part.files]
     if not parts:
         raise BadInput(f"{root}: no known layout; found {_describe(files)}; expected {_EXPECTED}")
     return sorted(parts, key=lambda part: part.name)
-
-
-def _full(prefix: str, file: str) -> str:
-    return f"{Path(prefix).parent.as_posix()}/{file}".removeprefix("./") if prefix.endswith(".zip") else prefix + file
 
 
 def _claim(prefix: str, layout: str, left: set[str], root: Path) -> Part:

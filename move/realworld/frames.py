@@ -98,7 +98,9 @@ class Frames:
 def _as_rgb(image: Image, where: str) -> np.ndarray:
     """Encoded bytes, or an array in HWC, CHW or HW order, as (height, width, 3) uint8."""
     if isinstance(image, bytes | np.void) or (image.dtype == np.uint8 and image.ndim == 1):
-        return _decode_image(image if isinstance(image, bytes) else image.tobytes())
+        data = io.BytesIO(image if isinstance(image, bytes) else image.tobytes())  # zeros behind the image are ignored
+        with Pillow.open(data, formats=IMAGES) as picture:
+            return np.asarray(picture.convert("RGB"))
     if image.dtype != np.uint8 or image.ndim not in (2, 3):
         raise BadInput(f"image in {where}: found {image.dtype} {image.shape}; expected uint8, HWC, CHW or HW")
     if image.ndim == 2:
@@ -108,12 +110,6 @@ def _as_rgb(image: Image, where: str) -> np.ndarray:
     if image.shape[2] != 3:
         raise BadInput(f"image in {where}: found shape {image.shape}; expected 3 channels")
     return image
-
-
-def _decode_image(data: bytes) -> np.ndarray:
-    """Decode a JPEG or PNG to (height, width, 3) uint8, red first; zero padding behind the image is ignored."""
-    with Pillow.open(io.BytesIO(data), formats=IMAGES) as image:
-        return np.asarray(image.convert("RGB"))
 
 
 def nearest(stamps: np.ndarray, times: np.ndarray) -> np.ndarray:
@@ -218,11 +214,6 @@ def from_files(paths: Sequence[Path]) -> Frames:
         return len(paths)
 
     return Frames(source, count, lambda numbers: (paths[number].read_bytes() for number in numbers))
-
-
-def from_bytes(images: Sequence[bytes], source: str) -> Frames:
-    """Encoded images already in memory, as in a parquet column."""
-    return Frames(source, lambda: len(images), lambda numbers: (images[number] for number in numbers))
 
 
 def from_hdf5(path: Path, key: str, *, bgr: bool = False) -> Frames:

@@ -14,7 +14,7 @@ from move.errors import BadInput
 from move.realworld.checks import check_dataset
 from move.realworld.dataset import RobotDataSet, open_dataset
 from move.realworld.episode import RobotEpisode
-from move.realworld.workspace import grasp_step, positions
+from move.realworld.workspace import grasp_step, positions, stacked
 from move.untrusted import read_json
 
 DECIDING = ("nothing had to be assumed", "no two episodes are equal")  # checks that a place rests on
@@ -73,10 +73,8 @@ def _doubts(demos: RobotDataSet) -> tuple[str, ...]:
 
 def grasp_table(episodes: Sequence[RobotEpisode]) -> pd.DataFrame:
     """Where the hand was at each grasp that has a place: method, part, index, x_m, y_m, in the arm's own frame."""
-    rows = [{"method": episode.method, "part": episode.part, "index": episode.index,
-             "x_m": float(place[0]), "y_m": float(place[1])}
-            for episode in episodes if not isinstance(place := _place(episode), str)]
-    return pd.DataFrame(rows, columns=["method", "part", "index", "x_m", "y_m"])
+    return stacked([(episode, {"x_m": place[:1], "y_m": place[1:]}) for episode in episodes
+                    if not isinstance(place := _place(episode), str)], ["x_m", "y_m"])
 
 
 def why_no_grasps(episodes: Sequence[RobotEpisode]) -> str:

@@ -1,4 +1,4 @@
-"""Writing what LeRobot reads: columns of vectors and the scalar columns of every frame"""
+"""What LeRobot's data sets share: the names of their files, columns of vectors, the scalar columns of every frame."""
 
 from __future__ import annotations
 
@@ -7,6 +7,11 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 
+V2, V3 = "lerobot_v2", "lerobot_v3"
+DATA = {V2: "data/chunk-{episode_chunk:03d}/episode_{episode_index:06d}.parquet",
+        V3: "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"}
+VIDEO = {V2: "videos/chunk-{episode_chunk:03d}/{video_key}/episode_{episode_index:06d}.mp4",
+         V3: "videos/{video_key}/chunk-{chunk_index:03d}/file-{file_index:03d}.mp4"}
 SCALARS = {
     "timestamp": "float32", "frame_index": "int64", "episode_index": "int64", "index": "int64", "task_index": "int64",
 }

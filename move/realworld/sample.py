@@ -20,8 +20,7 @@ from move.errors import BadInput
 from move.files import written_aside
 from move.paper import REAL_RADIUS_M
 from move.realworld.dataset import SIMULATED
-from move.realworld.formats.lerobot import DATA, V2, VIDEO
-from move.realworld.lerobot_files import scalar_columns, scalar_features, vectors
+from move.realworld.lerobot_files import DATA, V2, VIDEO, scalar_columns, scalar_features, vectors
 from move.realworld.piper import forward_kinematics, reach
 from move.untrusted import read_json
 from move.video import write_video

@@ -18,7 +18,7 @@ from typing import Annotated, Literal
 
 import numpy as np
 import pandas as pd
-from pydantic import BaseModel, BeforeValidator, Field, ValidationError
+from pydantic import BaseModel, BeforeValidator, Field
 from scipy import stats
 
 from move.errors import BadInput
@@ -26,7 +26,7 @@ from move.paper import PAPER_METHODS, REAL_POINTS
 from move.statistics.intervals import exact_interval
 from move.statistics.paired import mcnemar
 from move.untrusted import read_text, reading
-from move.validation import first_problem
+from move.validation import validated
 
 FARTHEST_M = 1.5  # beyond the arm's reach in any case; catches centimetres
 SAME_PLACE_M = 0.02
@@ -71,10 +71,7 @@ def read_sheet(path: Path | str) -> pd.DataFrame:
             raise BadInput(f"{where}: {len(line)} values; allowed: {len(COLUMNS)}, as the header has")
         if odd := next((value for value in line if "_" in value), ""):  # Python reads 1_0 as 10
             raise BadInput(f"{where}: {odd[:40]!r} given; allowed: numbers in digits alone, and a method")
-        try:
-            row = Trial.model_validate(dict(zip(COLUMNS, line, strict=True)))
-        except ValidationError as error:
-            raise BadInput(f"{where}: {first_problem(error)}") from error
+        row = validated(Trial, dict(zip(COLUMNS, line, strict=True)), where)
         _refuse_repeat(row, seen.setdefault(row.trial, []), where)
         seen[row.trial].append(row)
         rows.append(row.model_dump())

@@ -15,7 +15,7 @@ from matplotlib.colors import rgb_to_hsv
 
 from move.errors import BadInput
 from move.realworld.episode import RobotEpisode
-from move.realworld.workspace import grasp_step
+from move.realworld.workspace import grasp_step, stacked
 
 HUE_DEG = (12.0, 45.0)
 LEAST_SATURATION, LEAST_VALUE = 0.55, 0.35
@@ -75,9 +75,9 @@ def object_places(episodes: Sequence[RobotEpisode], camera: str) -> pd.DataFrame
         One row a frame: method, part, index, step, time_s, row and column (pixels, NaN where hidden), height and
         width of the image.
     """
-    tables = [pd.DataFrame(columns=["method", "part", "index", "step", "time_s", "row", "column", "height", "width"])]
+    pieces = []
     for e in (e for e in episodes if camera in e.cameras):
-        end = (grasp_step(e.gripper) if e.gripper is not None else None) or e.timesteps
+        end = grasp_step(e.gripper) or e.timesteps
         try:
             there = e.cameras[camera].numbers() >= 0
             numbers = np.array([n for n in range(0, min(end, len(there)), GAP_STEPS) if there[n]], dtype=int)
@@ -85,13 +85,9 @@ def object_places(episodes: Sequence[RobotEpisode], camera: str) -> pd.DataFrame
         except BadInput:
             continue  # `checks` names it
         centres = track_orange(frames)
-        tables.append(
-            pd.DataFrame({
-                "method": e.method, "part": e.part, "index": e.index, "step": numbers,
-                "time_s": e.timestamps_s[numbers], "row": centres[:, 0], "column": centres[:, 1],
-                "height": frames.shape[1], "width": frames.shape[2],
-            }))
-    return pd.concat(tables[1:], ignore_index=True) if len(tables) > 1 else tables[0]
+        pieces.append((e, {"step": numbers, "time_s": e.timestamps_s[numbers], "row": centres[:, 0],
+                           "column": centres[:, 1], "height": frames.shape[1], "width": frames.shape[2]}))
+    return stacked(pieces, ["step", "time_s", "row", "column", "height", "width"])
 
 
 def object_speeds(places: pd.DataFrame, *, metres_per_pixel: float | None = None) -> pd.DataFrame:
@@ -109,14 +105,11 @@ def object_speeds(places: pd.DataFrame, *, metres_per_pixel: float | None = None
     for (method, part, index), looked in places.groupby(["method", "part", "index"], sort=False):
         centres = looked[["row", "column"]].to_numpy(float) * (metres_per_pixel or 1.0)
         times = looked["time_s"].to_numpy(float)
-        pace = speeds(centres, times)
-        known = np.isfinite(pace)
+        pace = pd.Series(speeds(centres, times)).replace(np.inf, np.nan)
         rows.append({
             "method": method, "part": part, "index": index, "frames": len(looked),
-            "seen": float(np.isfinite(centres[:, 0]).mean()),
-            "mean_speed": float(pace[known].mean()) if known.any() else np.nan, "travelled": float(
-                (pace * np.diff(times))[known].sum()) if known.any() else np.nan,
-            "unit": "m" if metres_per_pixel else "px",
+            "seen": float(np.isfinite(centres[:, 0]).mean()), "mean_speed": pace.mean(),
+            "travelled": (pace * np.diff(times)).sum(min_count=1), "unit": "m" if metres_per_pixel else "px",
         })
     return pd.DataFrame(rows, columns=["method", "part", "index", "frames", "seen", "mean_speed", "travelled", "unit"])
 

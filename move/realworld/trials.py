@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Sequence
 from functools import lru_cache
 from itertools import combinations
@@ -17,6 +18,7 @@ from move.paper import REAL_POINTS, REAL_TRIALS, TABLE3_REAL
 from move.statistics.intervals import CONFIDENCE, exact_interval
 
 SIGNIFICANCE, WANTED_POWER = 1 - CONFIDENCE, 0.8
+STEPS = 2**13  # from a base rate to 1, to the nearest of which a detectable rise is found
 
 
 def real_table() -> pd.DataFrame:
@@ -107,16 +109,9 @@ def minimum_detectable_effect(base: float, *, trials: int = REAL_TRIALS) -> floa
     >>> round(minimum_detectable_effect(7 / 30), 2)
     0.38
     """
-    if power(base, 1.0, trials=trials) < WANTED_POWER:
-        return float("nan")
-    low, high = base, 1.0
-    while high - low > 1e-4:
-        middle = (low + high) / 2
-        if power(base, middle, trials=trials) < WANTED_POWER:
-            low = middle
-        else:
-            high = middle
-    return high - base
+    step = bisect_left(range(STEPS + 1), WANTED_POWER, key=lambda n: power(base, base + (1 - base) * n / STEPS,
+                                                                           trials=trials))
+    return (1 - base) * step / STEPS if step <= STEPS else float("nan")
 
 
 def power_table(bases: Sequence[float], *, trials: Sequence[int]) -> pd.DataFrame:
@@ -151,14 +146,11 @@ def score_distributions(successes: int, score: int, trials: int = REAL_TRIALS) -
         raise BadInput(f"score {score} with {successes} successes of {trials} trials: allowed are {least}..{most}")
     rest, points = trials - successes, score - REAL_POINTS * successes
     rows = []
-    for two in range(points // 2 + 1):
-        one = points - 2 * two
-        zero = rest - one - two
-        if zero >= 0:
-            kinds = (zero, one, two)
-            mean = score / trials
-            spread = sum(count * (value - mean)**2 for value, count in enumerate((*kinds, successes))) / (trials - 1)
-            ways = factorial(rest) // prod(factorial(kind) for kind in kinds)
-            rows.append({"zero": zero, "one": one, "two": two, "three": successes, "sd": spread**0.5, "weight": ways})
+    for two in range(max(0, points - rest), points // 2 + 1):
+        kinds = (rest - points + two, points - 2 * two, two)
+        squares = sum(count * (value - score / trials)**2 for value, count in enumerate((*kinds, successes)))
+        rows.append({**dict(zip(("zero", "one", "two"), kinds, strict=True)), "three": successes,
+                     "sd": (squares / (trials - 1))**0.5,
+                     "weight": factorial(rest) // prod(factorial(kind) for kind in kinds)})
     table = pd.DataFrame(rows)
     return table.assign(weight=[float(ways / sum(table["weight"])) for ways in table["weight"]])

@@ -65,7 +65,6 @@ PER_CENT = 100.0
 SCALED_TO_ONE = 1e-4  # how near 1 the largest of numbers that were scaled to -1..1 is
 ONE_UNIT = 30.0  # the largest number of one joint may be so many times that of any other
 MOTOR_COUNTS = 4096  # a turn of a hobby motor, which may be stored as it is read
-NAME_IT = "name it in a units file"
 _IN_PER_CENT = re.compile(r"so[-_]?10[01]|koch|lekiwi|moss|omx", re.IGNORECASE)  # LeRobot's arms of hobby motors
 
 
@@ -177,8 +176,7 @@ def _row(about: Recording, quantity: str, values: np.ndarray, given: Mapping[str
          ) -> UnitRow:
     """Decide one quantity: by the units file, else by what names, the arm or the rate state, else by its size.
 
-    Args:
-        apart: why the numbers cannot be of one unit, or "".
+    `apart` says why its numbers cannot be of one unit, or nothing.
     """
     low, high = float(values.min()), float(values.max())
     largest = _size(quantity, values)
@@ -186,29 +184,32 @@ def _row(about: Recording, quantity: str, values: np.ndarray, given: Mapping[str
     def row(unit: str, decided_by: str, note: str = "") -> UnitRow:
         return UnitRow(about.part, quantity, unit, decided_by, low, high, note)
 
+    def unknown(why: str) -> UnitRow:
+        return row("unknown", "nothing", f"{why}: name it in a units file")
+
     if quantity in given:
         doubtful = _contradict(quantity, given[quantity], largest)
         return row(given[quantity], "units file", apart or f"the numbers are up to {largest:g}" * doubtful)
     if apart:
-        return row("unknown", "nothing", f"{apart}: {NAME_IT}")
+        return unknown(apart)
     if quantity == "time" and not about.fps and (values == 1).all() and len(values) > 1:
-        return row("unknown", "nothing", f"numbers of timesteps, or one a second: {NAME_IT}")
+        return unknown("numbers of timesteps, or one a second")
     if quantity == "time" and about.fps and about.fps <= FASTEST_HZ and (stated := _by_rate(largest * about.fps)):
         return row(stated, "the stated rate")
     sized, hint, by = by_size(quantity, largest), about.hints.get(quantity), "names"
     if quantity == "gripper" and hint is None and _IN_PER_CENT.search(about.robot or ""):
         hint, by = "percent", "the arm"
     if hint and hint not in UNITS[quantity]:
-        return row("unknown", "nothing", f"{by}: {hint}, no unit of it: {NAME_IT}")
+        return unknown(f"{by}: {hint}, no unit of it")
     if hint and _contradict(quantity, hint, largest):
         look = f"look like {sized}" if sized not in ("unknown", hint) else f"are up to {largest:g}"
-        return row("unknown", "nothing", f"{by}: {hint}; the numbers {look}: {NAME_IT}")
+        return unknown(f"{by}: {hint}; the numbers {look}")
     if hint:
         return row(hint, by)
     if doubt := _may_be_else(about, quantity, sized, largest):
-        return row("unknown", "nothing", f"{doubt}: {NAME_IT}")
+        return unknown(doubt)
     if sized == "unknown":
-        return row(sized, "nothing", f"between the known ranges: {NAME_IT}")
+        return unknown("between the known ranges")
     caution = {"normalised": "0 taken as closed",
                "m": "never above 0.05 m: could be half the gap (half_m)" if high <= 0.05 else ""}
     return row(sized, "size of the numbers", caution.get(sized, "") if quantity == "gripper" else "")

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -17,7 +18,7 @@ CELL_M = 0.05  # side of a cell of the table
 HOLD_STEPS = 3  # shortest time that counts as a grasp, timesteps
 LEAST_TRAVEL = 0.1  # a gripper's range smaller than this share of its largest value is noise: no grasp
 STRIP_FRAMES = 6
-PATH = ["method", "part", "index", "step", "x_m", "y_m", "z_m", "grasped"]
+
 
 def coverage(points_m: np.ndarray) -> pd.DataFrame:
     """How often each square cell of the table was visited; cells whose centre lies in the half disc x >= 0.
@@ -29,26 +30,22 @@ def coverage(points_m: np.ndarray) -> pd.DataFrame:
     Returns:
         Columns column, row (whole numbers), x_m, y_m (centres), visits.
     """
-    points_m = np.asarray(points_m, dtype=float).reshape(-1, 2)
-    points_m = points_m[np.isfinite(points_m).all(axis=1)]
     half = int(np.ceil(REAL_RADIUS_M / CELL_M))
-    visits = np.zeros((half, 2 * half), dtype=int)
-    place = np.floor(points_m / CELL_M).astype(int) + [0, half]
-    inside = ((place >= 0) & (place < visits.shape)).all(axis=1)
-    np.add.at(visits, tuple(place[inside].T), 1)
+    far, (x, y) = half * CELL_M, np.asarray(points_m, dtype=float).T
+    visits, *_ = np.histogram2d(x, y, bins=[half, 2 * half], range=[(0, far), (-far, far)])
     column, row = np.indices(visits.shape).reshape(2, -1)
     cells = pd.DataFrame({"column": column, "row": row - half, "x_m": (column + 0.5) * CELL_M,
-                          "y_m": (row - half + 0.5) * CELL_M, "visits": visits.ravel()})
+                          "y_m": (row - half + 0.5) * CELL_M, "visits": visits.ravel().astype(int)})
     return cells[np.hypot(cells["x_m"], cells["y_m"]) <= REAL_RADIUS_M].reset_index(drop=True)
 
 
-def grasp_step(gripper: np.ndarray) -> int | None:
+def grasp_step(gripper: np.ndarray | None) -> int | None:
     """The first step of the longest time the gripper stays closed.
 
     Closed means below the middle of the signal's own range, so the result does not depend on its unit.
 
     Args:
-        gripper: (T,), larger is wider open.
+        gripper: (T,), larger is wider open; None: not recorded.
 
     Returns:
         A timestep, or None where nothing was grasped.
@@ -56,8 +53,7 @@ def grasp_step(gripper: np.ndarray) -> int | None:
     >>> grasp_step(np.array([9, 9, 9, 6, 6, 6, 6, 9.0]))
     3
     """
-    gripper = np.asarray(gripper, dtype=float)
-    if len(gripper) < HOLD_STEPS + 1 or not np.isfinite(gripper).all():
+    if gripper is None or len(gripper) < HOLD_STEPS + 1 or not np.isfinite(gripper).all():
         return None
     low, high = gripper.min(), gripper.max()
     if high - low < LEAST_TRAVEL * max(abs(high), 1e-12):
@@ -78,27 +74,31 @@ def positions(episode: RobotEpisode) -> np.ndarray | None:
         (T, 3) m, NaN where a joint is not finite; None for another arm, where neither was recorded, and where the
         joints are beyond PIPER's limits and so are another arm's or in another unit.
     """
-    if _why_no_positions(episode):
-        return None
-    if episode.joints is not None and episode.joints.shape[1] == 6:
-        return forward_kinematics(episode.joints)[:, :3]
-    return None if episode.end_effector is None else episode.end_effector[:, :3]
+    return None if isinstance(found := _positions(episode), str) else found
 
 
-def _why_no_positions(episode: RobotEpisode) -> str:
-    joints = episode.joints
+def _positions(episode: RobotEpisode) -> np.ndarray | str:
+    """`positions`, or in words why there are none."""
+    joints, pose = episode.joints, episode.end_effector
     if not is_piper(episode.robot):
         return f"the arm is {episode.robot or 'not named'}, not PIPER"
     if joints is not None and joints.shape[1] == 6:
-        return "joints beyond PIPER's limits" if outside_limits(joints) else ""
-    return "" if episode.end_effector is not None else "no six joints and no pose in known units"
+        return "joints beyond PIPER's limits" if outside_limits(joints) else forward_kinematics(joints)[:, :3]
+    return "no six joints and no pose in known units" if pose is None else pose[:, :3]
 
 
 def why_no_positions(episodes: Sequence[RobotEpisode]) -> str:
     """Why some episodes have no `positions`, in words for a figure; "" where all have them."""
-    reasons = Counter(filter(None, map(_why_no_positions, episodes)))
+    reasons = Counter(found for found in map(_positions, episodes) if isinstance(found, str))
     told = "; ".join(f"{count} of {len(episodes)} episodes: {reason}" for reason, count in reasons.items())
     return f"no trajectory of the hand: {told}" if told else ""
+
+
+def stacked(pieces: Iterable[tuple[RobotEpisode, Mapping[str, Any]]], columns: Sequence[str]) -> pd.DataFrame:
+    """One table of several episodes: method, part and index of each, and behind them its own `columns`."""
+    tables = [pd.DataFrame({"method": e.method, "part": e.part, "index": e.index, **own}) for e, own in pieces]
+    whole = ["method", "part", "index", *columns]
+    return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=whole)
 
 
 def joint_table(episodes: Sequence[RobotEpisode]) -> pd.DataFrame:
@@ -107,17 +107,14 @@ def joint_table(episodes: Sequence[RobotEpisode]) -> pd.DataFrame:
     Returns:
         Columns method, part, index, time_s, joint and degrees; a joint without a name is called by its number.
     """
-    tables = []
+    pieces = []
     for e in episodes:
-        if e.joints is None or positions(e) is not None:
-            continue
-        count = e.joints.shape[1]
-        names = e.joint_names or [f"joint {n + 1}" for n in range(count)]
-        tables.append(pd.DataFrame({
-            "method": e.method, "part": e.part, "index": e.index, "time_s": np.repeat(e.timestamps_s, count),
-            "joint": np.tile(names, e.timesteps), "degrees": np.degrees(e.joints).ravel()}))
-    columns = ["method", "part", "index", "time_s", "joint", "degrees"]
-    return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=columns)
+        if e.joints is not None and positions(e) is None:
+            count = e.joints.shape[1]
+            names = e.joint_names or [f"joint {n + 1}" for n in range(count)]
+            pieces.append((e, {"time_s": np.repeat(e.timestamps_s, count), "joint": np.tile(names, e.timesteps),
+                               "degrees": np.degrees(e.joints).ravel()}))
+    return stacked(pieces, ["time_s", "joint", "degrees"])
 
 
 def length_table(episodes: Sequence[RobotEpisode]) -> pd.DataFrame:
@@ -129,16 +126,13 @@ def length_table(episodes: Sequence[RobotEpisode]) -> pd.DataFrame:
 
 def path_table(episodes: Sequence[RobotEpisode]) -> pd.DataFrame:
     """Every timestep of every episode with `positions`: method, part, index, step, x_m, y_m, z_m, grasped (bool)."""
-    tables = []
+    pieces = []
     for e in episodes:
-        if (place := positions(e)) is None:
-            continue
-        steps = np.arange(e.timesteps)
-        start = grasp_step(e.gripper) if e.gripper is not None else None
-        tables.append(pd.DataFrame({
-            "method": e.method, "part": e.part, "index": e.index, "step": steps, "x_m": place[:, 0],
-            "y_m": place[:, 1], "z_m": place[:, 2], "grasped": steps >= (e.timesteps if start is None else start)}))
-    return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=PATH)
+        if (place := positions(e)) is not None:
+            start, steps = grasp_step(e.gripper), np.arange(e.timesteps)
+            pieces.append((e, {"step": steps, "x_m": place[:, 0], "y_m": place[:, 1], "z_m": place[:, 2],
+                               "grasped": steps >= (e.timesteps if start is None else start)}))
+    return stacked(pieces, ["step", "x_m", "y_m", "z_m", "grasped"])
 
 
 def coverage_by_method(table: pd.DataFrame) -> pd.DataFrame:
@@ -194,14 +188,13 @@ def action_table(episodes: Sequence[RobotEpisode]) -> pd.DataFrame:
     for e in episodes:
         if e.action is not None:
             groups.setdefault((e.method, e.action.shape[1]), []).append(e)
-    rows = []
+    tables = []
     for (method, width), alike in sorted(groups.items()):
-        stated = alike[0].action_names
-        names = stated if len(stated) == width else tuple(map(str, range(width)))
-        values = np.vstack([e.action for e in alike if e.action is not None])
-        change = np.vstack([np.abs(np.diff(e.action, axis=0)) for e in alike if e.action is not None])
-        for name, column, steps in zip(names, values.T, change.T, strict=True):
-            column, steps = pd.Series(column[np.isfinite(column)]), pd.Series(steps[np.isfinite(steps)])
-            rows.append({"method": method, "component": name, "mean": column.mean(), "sd": column.std(ddof=0),
-                         "lowest": column.min(), "highest": column.max(), "mean_step": steps.mean()})
-    return pd.DataFrame(rows)
+        stated, actions = alike[0].action_names, [e.action for e in alike if e.action is not None]
+        steps = [np.abs(np.diff(action, axis=0)) for action in actions]
+        values, change = (pd.DataFrame(np.vstack(rows)).replace([np.inf, -np.inf], np.nan) for rows in (actions, steps))
+        tables.append(pd.DataFrame({
+            "method": method, "component": stated if len(stated) == width else list(map(str, range(width))),
+            "mean": values.mean(), "sd": values.std(ddof=0), "lowest": values.min(), "highest": values.max(),
+            "mean_step": change.mean()}))
+    return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame()

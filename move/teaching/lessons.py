@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from typing import cast
 
 import ipywidgets
@@ -126,8 +125,7 @@ def train_live(demonstrations: Demonstrations, training: Training, seed: int) ->
             shown_at = time.monotonic()
             bar.value, loss_now.value = done, f"step {done} of {total}, loss {loss:.4f}"
 
-    policy, report = train(demonstrations, training, seed, on_step=show)
-    return policy, report
+    return train(demonstrations, training, seed, on_step=show)
 
 
 def draw_loss(report: TrainingReport) -> None:
@@ -155,29 +153,18 @@ def cell(episodes: pd.DataFrame, method: str) -> np.ndarray:
     return cells.successes(episodes[episodes.method == method])
 
 
-@dataclass(frozen=True)
-class BothIntervals:
-    """One cell seen in two ways: as so many episodes, and as so many trainings at the same configurations."""
+def seeds_table(episodes: pd.DataFrame) -> pd.DataFrame:
+    """One row a method: each training's success, and two intervals of their mean, per cent.
 
-    episodes_alone: tuple[float, float]
-    with_trainings: tuple[float, float]
-
-
-def both_intervals(successes: np.ndarray) -> BothIntervals:
-    """Wilson's interval over all episodes, and the one that knows that another training differs."""
-    found = success_rate(successes)
-    return BothIntervals(wilson_interval(float(successes.mean()), successes.size), (found.low, found.high))
-
-
-def seeds_table(episodes: pd.DataFrame, methods: tuple[str, ...] = ("static", "move")) -> pd.DataFrame:
-    """One row a method: each training's success, and both intervals of their mean, per cent."""
+    Wilson's takes all episodes as alike; the other one knows that another training differs.
+    """
     rows = []
-    for method in methods:
+    for method in ("static", "move"):
         successes = cell(episodes, method)
-        both = both_intervals(successes)
+        alone, found = wilson_interval(float(successes.mean()), successes.size), success_rate(successes)
         rows.append({"method": NAMES[method], "each training": _per_cent(*successes.mean(axis=1)),
-                     "mean": f"{100 * successes.mean():.0f}", "episodes alone": _per_cent(*both.episodes_alone),
-                     "with trainings": _per_cent(*both.with_trainings)})
+                     "mean": f"{100 * successes.mean():.0f}", "episodes alone": _per_cent(*alone),
+                     "with trainings": _per_cent(found.low, found.high)})
     return pd.DataFrame(rows).set_index("method")
 
 

@@ -19,7 +19,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -72,7 +72,7 @@ def _marked(path: Path, minutes: float) -> dict[str, Any]:
     asked = _numbers(name)
     with tempfile.TemporaryDirectory(prefix="move-mark-") as scratch:
         job, said = Path(scratch, "job.json"), Path(scratch, "verdicts.json")
-        content = {"cells": cells, "parameters": SMALL[name], "seconds": 60 * minutes}
+        content = {"cells": cells, "seconds": 60 * minutes}
         job.write_text(json.dumps(content), encoding="utf-8")
         remark = _run([sys.executable, "-m", __name__, str(job), str(said)], Path(scratch), 60 * minutes, said)
         found = _verdicts(said)
@@ -83,11 +83,7 @@ def _marked(path: Path, minutes: float) -> dict[str, Any]:
 
 
 def _read(path: Path) -> tuple[str, list[str]]:
-    """Which tutorial a notebook is, and its code cells; the parameters cell is marked by an empty line after it.
-
-    Raises:
-        ValueError: it cannot be read, or asks for no exercise of a tutorial.
-    """
+    """Which tutorial a notebook is, and its code cells; after that of the parameters one with those of `SMALL`."""
     import nbformat
 
     try:
@@ -98,11 +94,12 @@ def _read(path: Path) -> tuple[str, list[str]]:
     names = [name for name in SMALL if name[0] in parts]
     if len(names) != 1:
         raise ValueError("asks for no exercise of a tutorial" if not names else "has exercises of several tutorials")
+    small = "\n".join(f"{parameter} = {value!r}" for parameter, value in SMALL[names[0]].items())
     sources = []
     for cell in cells:
         sources.append(cell.source)
         if "parameters" in cell.metadata.get("tags", []):
-            sources.append("")
+            sources.append(small)
     return names[0], sources
 
 
@@ -133,14 +130,9 @@ def _run(command: list[str], folder: Path, seconds: float, ready: Path) -> str:
     except subprocess.TimeoutExpired:
         return f"stopped after {(BY_THE_CLOCK * seconds + TO_END) / 60:g} minutes"
     finally:
-        _end_group(process.pid)
+        with suppress(ProcessLookupError, PermissionError):
+            os.killpg(process.pid, signal.SIGKILL)  # with all that it has left behind
         process.wait()
-
-
-def _end_group(group: int) -> None:
-    """End a process with all that it has left behind."""
-    with suppress(ProcessLookupError, PermissionError):
-        os.killpg(group, signal.SIGKILL)
 
 
 def _verdicts(path: Path) -> dict[str, Any]:
@@ -181,17 +173,12 @@ def main(job: Path, said: Path) -> None:
     write()  # from now on its time runs
     limit = math.ceil(time.process_time() + content["seconds"])
     resource.setrlimit(resource.RLIMIT_CPU, (limit, limit + TO_END))
-    for place, source in enumerate(_with_parameters(content["cells"], content["parameters"])):
+    for place, source in enumerate(content["cells"]):
         done = shell.run_cell(source)
         if not done.success and not stopped:
             error = done.error_in_exec or done.error_before_exec
             stopped = f"cell {place + 1}: {type(error).__name__}: {' '.join(str(error).split())}"
     write()
-
-
-def _with_parameters(cells: list[str], chosen: dict[str, Any]) -> Iterator[str]:
-    small = "\n".join(f"{name} = {value!r}" for name, value in chosen.items())
-    return (small if source == "" else source for source in cells)
 
 
 if __name__ == "__main__":

@@ -39,13 +39,9 @@ def measure(name: str, collection: Collection, training: Training, episodes: int
     policy, _ = train(demonstrations, training, seed)
     rows = evaluate(PolicyAgent(policy, seed), task, Evaluation(episodes=episodes))
     found = success_rate(np.array([[row["success"] for row in rows]]))
-    return {"method": name, "demonstrations": record.demonstrations, **_seen(collection, seed, env),
+    seen = pd.concat([configurations(part, seed, env) for part in collection.parts])
+    return {"method": name, "demonstrations": record.demonstrations, **shares(seen, task),
             "success": found.value, "low": found.low, "high": found.high, "rows": rows}
-
-
-def _seen(collection: Collection, seed: int, env: gymnasium.Env | None) -> dict[str, float]:
-    parts = [configurations(part, seed, env) for part in collection.parts]
-    return shares(pd.concat(parts), get_task(collection.task))
 
 
 def compared(rows: list[dict[str, Any]]) -> pd.DataFrame:

@@ -56,17 +56,17 @@ def traced(task: Task, v_max: float, omega_max: float, u_max: float, demonstrati
     return pd.DataFrame(rows)
 
 
-def yaw_share(seen: pd.DataFrame, task: Task) -> float:
-    """Share of twenty equal cells of the task's yaw range in which the object was seen before the grasp."""
+def shares(seen: pd.DataFrame, task: Task) -> dict[str, float]:
+    """Share of the cells of each part that were visited: object, target, camera, and the yaw where there is one.
+
+    The yaw's are twenty equal cells of the task's range, in which the object was seen before the grasp.
+    """
+    found = {part: visited_share(seen, task, part) for part in PARTS}
+    if not task.has_yaw:
+        return found
     low, high = task.yaw_range
     cells = np.floor((seen[seen.phase == "pick"].object_yaw - low) / (high - low) * ANGLES).clip(0, ANGLES - 1)
-    return cells.nunique() / ANGLES
-
-
-def shares(seen: pd.DataFrame, task: Task) -> dict[str, float]:
-    """Share of the cells of each part that were visited: object, target, camera, and the yaw where there is one."""
-    found = {part: visited_share(seen, task, part) for part in PARTS}
-    return {**found, "yaw": yaw_share(seen, task)} if task.has_yaw else found
+    return {**found, "yaw": cells.nunique() / ANGLES}
 
 
 def coverage_by_speed(task: str, speeds: list[float], demonstrations: int, seed: int) -> pd.DataFrame:

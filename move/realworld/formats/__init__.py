@@ -1,4 +1,4 @@
-"""One reader a layout. A layout is three functions, in the order they are needed, and a fourth where it states sizes.
+"""One reader a layout. A layout is four functions, in the order they are needed.
 
 metadata(files)        the small files that must be there before episodes can be chosen
 episodes(part)         one EpisodeRef an episode: which files hold it
@@ -26,12 +26,8 @@ class Layout:
     lacking: Callable[[Part, Sequence[EpisodeRef]], list[str] | None]
 
 
-def _nothing_stated(part: Part, refs: Sequence[EpisodeRef]) -> None:
-    return None
-
-
-LAYOUTS = {name: Layout(title, reader.metadata, reader.episodes, reader.read,
-                        getattr(reader, "lacking", _nothing_stated)) for name, title, reader in (
+LAYOUTS = {name: Layout(title, reader.metadata, reader.episodes, reader.read, reader.lacking)
+           for name, title, reader in (
     ("lerobot_v2", "LeRobot v2.1 (or v2.0)", lerobot), ("lerobot_v3", "LeRobot v3.0", lerobot),
     ("pika_tree", "Pika raw tree", pika_tree),
     ("hdf5", "HDF5, one file an episode (Pika, ACT or RoboMIND)", hdf5), ("zarr", "zarr replay buffer", zarr_buffer))}

@@ -30,7 +30,7 @@ PIKA_POSE = "end effector is the Pika's own localisation: its frame is the track
 
 
 def metadata(files: Sequence[str]) -> list[str]:
-    """None: an HDF5 file is read whole or not at all."""
+    """None: the names of files and folders tell the episodes."""
     return []
 
 
@@ -128,11 +128,7 @@ def _gap(data: h5py.Dataset) -> str:
 
 
 def _values(file: h5py.File, key: str) -> np.ndarray:
-    """All numbers of a data set.
-
-    Raises:
-        BadInput: a group, or no real numbers.
-    """
+    """All numbers of a data set; a group, or what is no real number, is refused."""
     data = file[key]
     if not isinstance(data, h5py.Dataset) or data.dtype.kind not in "biuf":
         kind = data.dtype if isinstance(data, h5py.Dataset) else "a group"

@@ -19,22 +19,18 @@ from typing import Annotated, Any
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
-from pydantic import BaseModel, Field, ValidationError
+from pydantic import BaseModel, Field
 
 from move.errors import BadInput
 from move.realworld.episode import EpisodeRef, Part, Recording, make_recording
-from move.realworld.frames import Frames, from_bytes, from_files, from_video
+from move.realworld.frames import Frames, from_files, from_video
+from move.realworld.lerobot_files import DATA, V2, V3, VIDEO
 from move.realworld.piper import is_piper
 from move.realworld.state_columns import arm_streams, flat_names
 from move.realworld.untrusted_names import fill_template, inside
 from move.untrusted import parse_json, read_json, read_text, reading, within
-from move.validation import first_problem
+from move.validation import validated
 
-V2, V3 = "lerobot_v2", "lerobot_v3"
-DATA = {V2: "data/chunk-{episode_chunk:03d}/episode_{episode_index:06d}.parquet",
-        V3: "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"}
-VIDEO = {V2: "videos/chunk-{episode_chunk:03d}/{video_key}/episode_{episode_index:06d}.mp4",
-         V3: "videos/{video_key}/chunk-{chunk_index:03d}/file-{file_index:03d}.mp4"}
 STATE = ("observation.state", "observation.states", "states", "state")
 ACTION = ("action", "actions")
 POSE_WORDS = ("eef", "ee_pose", "end_pose", "endpose")
@@ -151,10 +147,7 @@ def _read_info(part: Part) -> _Info:
     """Read `meta/info.json` and check its version."""
     path, version = inside(part.root, "meta/info.json"), part.layout.removeprefix("lerobot_")
     content = read_json(path, "the info.json of a LeRobot data set")
-    try:
-        info = _Info.model_validate(content)
-    except ValidationError as error:
-        raise BadInput(f"{path}: {first_problem(error)}; found keys {sorted(content)[:12]}") from error
+    info = validated(_Info, content, str(path), f"; found keys {sorted(content)[:12]}")
     if not info.codebase_version.startswith(version):
         raise BadInput(f"{path}: codebase_version is {info.codebase_version!r}; its files look like {version}.x")
     return info
@@ -207,7 +200,7 @@ def _image_frames(part: Part, table: pa.Table, key: str, source: Path) -> Frames
     """Frames stored in a parquet column, as bytes or as paths inside the data set; none where there is no column."""
     cells = table[key].to_pylist() if key in table.column_names else []
     if all(isinstance(cell, dict) and cell.get("bytes") for cell in cells):
-        return from_bytes([cell["bytes"] for cell in cells], f"{source}:{key}")
+        return Frames(f"{source}:{key}", lambda: len(cells), lambda numbers: (cells[n]["bytes"] for n in numbers))
     return from_files([inside(part.root, cell["path"] if isinstance(cell, dict) else cell) for cell in cells])
 
 

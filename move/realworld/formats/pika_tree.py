@@ -20,18 +20,13 @@ import numpy as np
 
 from move.errors import BadInput
 from move.realworld.episode import EpisodeRef, Part, Recording, make_recording
-from move.realworld.formats.hdf5 import PIKA_ARMS, PIKA_GRIPPERS, PIKA_POSE, lacking, natural, numbers_of, pika_sensor
+from move.realworld.formats import hdf5
 from move.realworld.frames import from_files, nearest
 from move.realworld.state_columns import POSE
 from move.realworld.untrusted_names import inside
 from move.untrusted import read_json, read_text, reading
 
-__all__ = ["episodes", "lacking", "metadata", "read"]
-
-
-def metadata(files: Sequence[str]) -> list[str]:
-    """None: the folders' names tell the episodes."""
-    return []
+metadata, lacking = hdf5.metadata, hdf5.lacking  # the episodes of both are numbered by their names
 
 
 def episodes(part: Part) -> list[EpisodeRef]:
@@ -41,9 +36,9 @@ def episodes(part: Part) -> list[EpisodeRef]:
         match = re.match(r"(episode_?\d+)/", file)
         if match and not re.search(r"/camera/(depth|pointCloud)/", file):
             groups.setdefault(match.group(1), []).append(file)
-    names = sorted(groups, key=natural)
+    names = sorted(groups, key=hdf5.natural)
     return [EpisodeRef(number, tuple(groups[name]), place={"folder": name})
-            for number, name in zip(numbers_of(names), names, strict=True)]
+            for number, name in zip(hdf5.numbers_of(names), names, strict=True)]
 
 
 def read(part: Part, ref: EpisodeRef) -> Recording:
@@ -75,17 +70,16 @@ def read(part: Part, ref: EpisodeRef) -> Recording:
 def _sensors(folder: Path) -> tuple[dict[str, Path], list[str]]:
     """The folder of each stream and each camera, and a note where the pose is not the arm's."""
     notes: list[str] = []
-    arms = folder / "arm/jointState"
-    arm = pika_sensor(_folders(arms), PIKA_ARMS, notes)
-    leader = str(arm).replace("puppet", "master")
+    arm = _choose(folder / "arm/jointState", hdf5.PIKA_ARMS, notes)
+    leader = arm and arm.with_name(arm.name.replace("puppet", "master"))
     found = {
-        "joints": arms / arm if arm else None, "action": arms / leader if leader in _folders(arms) else None,
-        "end_effector": _choose(folder / "arm/endPose", PIKA_ARMS, []),
-        "gripper": _choose(folder / "gripper/encoder", PIKA_GRIPPERS, notes),
+        "joints": arm, "action": leader if leader and leader.is_dir() else None,
+        "end_effector": _choose(folder / "arm/endPose", hdf5.PIKA_ARMS, []),
+        "gripper": _choose(folder / "gripper/encoder", hdf5.PIKA_GRIPPERS, notes),
     }
     if found["end_effector"] is None and (pose := _choose(folder / "localization/pose", ("pika",), notes)):
         found["end_effector"] = pose
-        notes.append(PIKA_POSE)
+        notes.append(hdf5.PIKA_POSE)
     colour = folder / "camera/color"
     found |= {f"camera {name}": colour / name for name in _folders(colour)}
     return {name: place for name, place in found.items() if place is not None}, notes
@@ -93,7 +87,7 @@ def _sensors(folder: Path) -> tuple[dict[str, Path], list[str]]:
 
 def _choose(folder: Path, order: Sequence[str], notes: list[str]) -> Path | None:
     """The sensor of a folder that is read."""
-    name = pika_sensor(_folders(folder), order, notes)
+    name = hdf5.pika_sensor(_folders(folder), order, notes)
     return folder / name if name else None
 
 

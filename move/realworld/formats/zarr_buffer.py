@@ -11,7 +11,6 @@ A buffer is fetched whole: its chunks are shared by neighbouring episodes.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -101,15 +100,14 @@ def read(part: Part, ref: EpisodeRef) -> Recording:
 
 
 def _frames(path: Path, key: str, rows: range) -> Frames:
-    return Frames(f"{path}:data/{key}", lambda: len(rows), partial(_images, path, key, rows))
+    """The images of an episode, which are these rows of an array."""
+    def load(numbers: Sequence[int]) -> Iterable[np.ndarray]:
+        with opened_group(path) as group:
+            array = plain_array(group, f"data/{key}")
+            for number in numbers:
+                yield np.asarray(array[rows[number]])
 
-
-def _images(path: Path, key: str, rows: range, numbers: Sequence[int]) -> Iterable[np.ndarray]:
-    """Yield images of an episode whose images are these rows of the array."""
-    with opened_group(path) as group:
-        array = plain_array(group, f"data/{key}")
-        for number in numbers:
-            yield np.asarray(array[rows[number]])
+    return Frames(f"{path}:data/{key}", lambda: len(rows), load)
 
 
 def _videos(part: Part, ref: EpisodeRef) -> dict[str, Frames]:
