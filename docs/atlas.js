@@ -1,4 +1,4 @@
-// The atlas: choose a place on a map and see both films of it. No server, no library: data and frames lie beside.
+// The atlas: choose a place on a map and see both films of it. No server, no library: data and frames are next to it.
 (() => {
   const atlas = JSON.parse(document.getElementById("atlas-data").textContent);
   const find = (selector) => [...document.querySelectorAll(`#atlas ${selector}`)];

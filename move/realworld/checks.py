@@ -51,8 +51,8 @@ def check_dataset(data: RobotDataSet) -> list[Check]:
 
     def each(name: str, judge: Callable[[RobotEpisode], str | None], good: str, absent: str = "") -> Check:
         """A check of each episode that `judge` can judge: what is wrong, "", or None."""
-        told = [(e, judge(e)) for e in episodes]
-        return _check(name, [wrong and f"{_name(e)} {wrong}" for e, wrong in told if wrong is not None], good, absent)
+        judged = [(e, judge(e)) for e in episodes]
+        return _check(name, [wrong and f"{_name(e)} {wrong}" for e, wrong in judged if wrong is not None], good, absent)
 
     return [
         _check("every chosen episode can be read", [*data.unread, *[""] * len(episodes)], f"{len(episodes)} episodes"),
@@ -149,10 +149,10 @@ def _indices(episodes: Sequence[RobotEpisode]) -> Check:
 
 def _equal(episodes: Sequence[RobotEpisode]) -> Check:
     """Whether two episodes hold the same numbers but for noise, apart from their times, or videos of the same bytes."""
-    told = [(place, numbers) for place, e in enumerate(episodes) if np.ptp(numbers := _numbers(e), axis=0).any()]
-    told.sort(key=lambda one: (one[1].shape, one[1].mean()))  # brings equal ones together
+    recorded = [(place, numbers) for place, e in enumerate(episodes) if np.ptp(numbers := _numbers(e), axis=0).any()]
+    recorded.sort(key=lambda one: (one[1].shape, one[1].mean()))  # brings equal ones together
     findings = []
-    for (place, numbers), (other, others) in pairwise(told):
+    for (place, numbers), (other, others) in pairwise(recorded):
         near = SAME * np.ptp(numbers, axis=0) + ROUNDED
         same = numbers.shape == others.shape and bool((np.abs(numbers - others) <= near).all())
         earlier, later = sorted((place, other))
@@ -162,7 +162,7 @@ def _equal(episodes: Sequence[RobotEpisode]) -> Check:
 
 
 def _numbers(episode: RobotEpisode) -> np.ndarray:
-    """All numbers that an episode's arm told, (T, columns); no column where there are none."""
+    """All numbers that were recorded of an episode's arm, (T, columns); no column where there are none."""
     streams = (episode.state, episode.action, episode.joints, episode.end_effector, episode.gripper)
     return np.hstack([np.empty((episode.timesteps, 0)), *(
         np.nan_to_num(stream).reshape(episode.timesteps, -1) for stream in streams if stream is not None)])

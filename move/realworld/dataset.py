@@ -100,7 +100,7 @@ def open_dataset(data: str | Path = hub.REPOSITORY, *, revision: str | None = hu
 
 def _fetch(remote: hub.Remote, parts: Sequence[Part], episodes: int | Sequence[int] | None, size_cap_gb: float,
            log: hub.Log) -> None:
-    """Fetch what tells the episodes, then the chosen ones."""
+    """Fetch what lists the episodes, then the chosen ones."""
     names = [file for file in remote.files if file == SIMULATED]
     for part in parts:
         inner = part.root.relative_to(remote.folder)
@@ -180,6 +180,6 @@ def _about(mark: Path) -> dict:
 
 
 def _method(part: Part) -> str:
-    """How a part was collected: by its folder's name; the name MOVE alone is the repository's and tells nothing."""
+    """How a part was collected: by its folder's name; the name MOVE alone is the repository's and says nothing."""
     name = part.root.resolve().name if part.name == "." else part.name
     return "unknown" if name == "MOVE" and part.name == "." else method_of(name)

@@ -34,7 +34,7 @@ def detect(files: Sequence[str], root: Path) -> list[Part]:
         root: where they lie or will lie.
 
     Raises:
-        BadInput: no layout is recognised (the message tells what was found), or a name leaves the folder.
+        BadInput: no layout is recognised (the message says what was found), or a name leaves the folder.
     """
     left = {file for file in files if not is_hidden(safe_name(file, str(root)))}
     parts: list[Part] = []

@@ -36,7 +36,7 @@ class EpisodeRef:
 
     index: int  # its number in the part
     files: tuple[str, ...]  # the files needed to read it, relative to the part's root
-    timesteps: int | None = None  # None where only the data tell
+    timesteps: int | None = None  # None where only the data say
     place: Mapping[str, Any] = field(default_factory=dict)  # whatever else its layout's reader needs
 
 
@@ -84,11 +84,11 @@ class Recording:
 class RobotEpisode(Recording):
     """One demonstration of a real robot: a recording whose joints, end effector and gripper are in SI units.
 
-    A quantity whose unit could not be told is None; so are joints that are no angles. Joints are in rad, the end
+    A quantity whose unit could not be inferred is None; so are joints that are no angles. Joints are in rad, the end
     effector in m and rad in the frame of the file; a larger gripper is wider open.
     """
 
-    method: str = "unknown"  # "static", "adc", "move", or "unknown" (told by the folder's name, or by a units file)
+    method: str = "unknown"  # "static", "adc", "move", or "unknown" (from the folder's name, or a units file)
     timestamps_s: np.ndarray = field(default_factory=lambda: np.empty(0))  # (T,), starts at 0; NaN: unit unknown
     gripper_unit: str | None = None  # "m", "rad" or "normalised" (0 closed, 1 open)
 
@@ -111,7 +111,7 @@ def method_of(name: str) -> str:
 
 
 def make_recording(part: Part, ref: EpisodeRef, streams: Mapping[str, np.ndarray | None], **rest: Any) -> Recording:
-    """Cut the streams of an episode to their shortest; a state that is not recorded as such is all that the arm told.
+    """Cut the streams of an episode to their shortest; the state, where none is recorded, is the arm's streams joined.
 
     Args:
         streams: any of `timestamps`, `joints`, `end_effector`, `gripper`, `action`, `state`; first axis time; None:
@@ -132,9 +132,9 @@ def make_recording(part: Part, ref: EpisodeRef, streams: Mapping[str, np.ndarray
     lengths = {name: len(values) for name, values in found.items()}
     shortest = min(lengths.values())
     cut: dict[str, Any] = {name: values[:shortest] for name, values in found.items()}
-    told = [cut[name].reshape(shortest, -1) for name in ("joints", "gripper", "end_effector") if name in cut]
-    if "state" not in cut and told:
-        cut["state"] = np.hstack(told)
+    recorded = [cut[name].reshape(shortest, -1) for name in ("joints", "gripper", "end_effector") if name in cut]
+    if "state" not in cut and recorded:
+        cut["state"] = np.hstack(recorded)
     for kind in ("numbering", "own_times"):
         cut[kind] = {name: values[:shortest] for name, values in rest.pop(kind, {}).items()}
     notes = tuple(rest.pop("notes", ()))

@@ -56,7 +56,7 @@ class Frames:
         """Number of the stored image of each timestep, (T,) int64; -1 where it has none.
 
         Raises:
-            BadInput: the images cannot be read, or it cannot be told which belong to this episode.
+            BadInput: the images cannot be read, or it is unclear which belong to this episode.
         """
         with reading(self.source, "the frames of a camera"):
             if self.place is not None and self.times_s is not None:

@@ -64,11 +64,11 @@ def grasps(data: str, *, units_file: Path | None = None) -> Grasps:
 def _doubts(demos: RobotDataSet) -> tuple[str, ...]:
     """What was assumed of the hand, its units and its frame, and demonstrations that stand there twice."""
     checks = {check.name: check for check in check_dataset(demos)}
-    told = [f"{name}: {checks[name].detail}" for name in DECIDING if checks[name].outcome == "differs"]
-    told += [f"{row.part}: {row.quantity} in {row.unit}: {row.note}" for row in demos.units.itertuples()
+    doubts = [f"{name}: {checks[name].detail}" for name in DECIDING if checks[name].outcome == "differs"]
+    doubts += [f"{row.part}: {row.quantity} in {row.unit}: {row.note}" for row in demos.units.itertuples()
              if row.note and row.quantity in ("gripper", "position", "joints") and row.unit != "unknown"]
     frames = sorted({f"{episode.part} ({episode.robot or 'arm not named'})" for episode in demos.episodes})
-    return (*told, *[f"taken as places in one frame: {', '.join(frames)}"] * (len(frames) > 1))
+    return (*doubts, *[f"taken as places in one frame: {', '.join(frames)}"] * (len(frames) > 1))
 
 
 def grasp_table(episodes: Sequence[RobotEpisode]) -> pd.DataFrame:

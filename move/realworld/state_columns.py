@@ -94,7 +94,7 @@ def words(name: str) -> list[str]:
 
 
 def _by_name(names: Sequence[str]) -> tuple[dict[str, Columns], int]:
-    """The arms that names tell apart, and how many columns are of none of them, apart from speeds and efforts."""
+    """The arms that names distinguish, and how many columns are of none of them, apart from speeds and efforts."""
     limbs: dict[str, dict[tuple[str, str], int | None]] = {}
     name_words = [words(name) for name in names]
     for column, found in enumerate(name_words):
@@ -161,7 +161,7 @@ def arm_streams(state: np.ndarray, names: Sequence[str] = (), *, piper_order: bo
         names, piper_order: as for `split_columns`.
 
     Returns:
-        Streams "joints", "end_effector" and "gripper" where they are told; units that names state; notes; names of the
+        Streams "joints", "end_effector" and "gripper" where they are named; units that names state; notes; names of the
         joints, where there are any.
     """
     arms, note = split_columns(names, state.shape[1], piper_order=piper_order)

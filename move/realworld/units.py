@@ -2,7 +2,7 @@
 
 LeRobot's own arms (SO-100, SO-101, Koch) have joints in degrees or from -100 to 100 per cent, which no size tells
 apart, and grippers in per cent; so may any arm that is not stated to be a PIPER, and other arms' large numbers may be
-counts of a motor. Whatever cannot be told is `unknown` and stays out of the episodes until a units file names it:
+counts of a motor. Whatever cannot be inferred is `unknown` and stays out of the episodes until a units file names it:
 
     "*":                 # every part, or a part's folder name
       joints: deg        # or percent: known, and no angle
@@ -10,7 +10,7 @@ counts of a motor. Whatever cannot be told is `unknown` and stays out of the epi
       gripper_closed_is: high
       time: ms
       arm: piper         # where the data set does not name its arm
-      method: static     # where the folder's name does not tell
+      method: static     # where the folder's name does not say
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ BOUNDS = {
                 "normalised": (0.11, 1.2), "percent": (1.2, 120.0), "pika_rad": (0.0, 2.0), "rad": (0.0, 6.4),
                 "deg": (1.8, 400.0)},
 }
-FASTEST_HZ = 1000.0  # a stated rate above it tells no unit of time
+FASTEST_HZ = 1000.0  # a stated rate above it names no unit of time
 PER_CENT = 100.0
 SCALED_TO_ONE = 1e-4  # how near 1 the largest of numbers that were scaled to -1..1 is
 ONE_UNIT = 30.0  # the largest number of one joint may be so many times that of any other
@@ -70,11 +70,11 @@ _IN_PER_CENT = re.compile(r"so[-_]?10[01]|koch|lekiwi|moss|omx", re.IGNORECASE) 
 
 @dataclass(frozen=True)
 class UnitRow:
-    """The unit of one quantity of one part, and how it was told."""
+    """The unit of one quantity of one part, and how it was inferred."""
 
     part: str
     quantity: str
-    unit: str  # "unknown" where it could not be told
+    unit: str  # "unknown" where it could not be inferred
     decided_by: str  # "units file", "column names", "size of the numbers" or "nothing"
     lowest: float
     highest: float
@@ -144,12 +144,12 @@ def _odd_joint(recordings: Sequence[Recording]) -> str:
 
 
 def _size(quantity: str, values: np.ndarray) -> float:
-    """The number that a unit is told from: the largest absolute value, of time the median step."""
+    """The number that a unit is inferred from: the largest absolute value, of time the median step."""
     return float(np.median(np.abs(values)) if quantity == "time" else np.abs(values).max())
 
 
 def _values(recording: Recording, quantity: str) -> np.ndarray | None:
-    """The numbers that a unit is told from; of time the steps."""
+    """The numbers that a unit is inferred from; of time the steps."""
     if quantity == "time":
         return None if recording.timestamps is None else np.diff(recording.timestamps)
     if quantity in ("position", "rotation"):
@@ -159,7 +159,7 @@ def _values(recording: Recording, quantity: str) -> np.ndarray | None:
 
 
 def by_size(quantity: str, largest: float) -> str:
-    """Unit told by the largest absolute value alone; "unknown" between the ranges of the table above.
+    """Unit inferred from the largest absolute value alone; "unknown" between the ranges of the table above.
 
     >>> by_size("joints", 1.57), by_size("joints", 90.0), by_size("joints", 90_000.0), by_size("joints", 5.0)
     ('rad', 'deg', 'mdeg', 'unknown')
@@ -258,8 +258,8 @@ def convert(recording: Recording, rows: Sequence[UnitRow], given: Mapping[str, s
             open_at = factor * next(row.highest for row in rows if row.quantity == "gripper")  # in the whole part
             gripper = (1.0 if gripper_unit == "normalised" else open_at) - gripper
     times_s = _times_s(recording, unit.get("time"))
-    told = recording.timestamps is not None or recording.fps
-    camera_s = times_s if told else times_s * np.nan  # a guessed time finds no picture
+    timed = recording.timestamps is not None or recording.fps
+    camera_s = times_s if timed else times_s * np.nan  # a guessed time finds no picture
     own = vars(recording) | {
         "joints": joints, "end_effector": pose, "gripper": gripper if gripper_unit else None,
         "robot": given.get("arm", recording.robot),

@@ -90,8 +90,8 @@ def _positions(episode: RobotEpisode) -> np.ndarray | str:
 def why_no_positions(episodes: Sequence[RobotEpisode]) -> str:
     """Why some episodes have no `positions`, in words for a figure; "" where all have them."""
     reasons = Counter(found for found in map(_positions, episodes) if isinstance(found, str))
-    told = "; ".join(f"{count} of {len(episodes)} episodes: {reason}" for reason, count in reasons.items())
-    return f"no trajectory of the hand: {told}" if told else ""
+    listed = "; ".join(f"{count} of {len(episodes)} episodes: {reason}" for reason, count in reasons.items())
+    return f"no trajectory of the hand: {listed}" if listed else ""
 
 
 def stacked(pieces: Iterable[tuple[RobotEpisode, Mapping[str, Any]]], columns: Sequence[str]) -> pd.DataFrame:

@@ -101,7 +101,7 @@ def draw(task: Task, seen: pd.DataFrame) -> Figure:
     axes[1].set(xlabel="step", ylabel="yaw (degrees)",
                 title=f"yaw: {visited['yaw']:.0%}" if task.has_yaw else "this task has no yaw")
     axes[2].set(xlabel="step", ylabel="camera (degrees)", title=f"camera: {visited['camera']:.0%}")
-    plt.close(figure)  # whoever asked for it shows it
+    plt.close(figure)  # the caller shows it
     return figure
 
 
@@ -109,7 +109,7 @@ def sliders(task: str, demonstrations: int, seed: int) -> None:
     """Show sliders for v_max, omega_max and u_max; below them the paths, and how much they show.
 
     The picture is a display of its own and no output widget's: so an executed copy holds it, and the messages that such
-    a widget asks of whoever executes the notebook cannot make it miss a cell's reply.
+    a widget asks of the program that executes the notebook cannot make it miss a cell's reply.
     """
     one = get_task(task)
 

@@ -1,4 +1,4 @@
-"""HDF5, one file an episode. Which of three dialects a file speaks is told by the groups inside it.
+"""HDF5, one file an episode. Which of three dialects a file speaks follows from the groups inside it.
 
 Pika (AgileX data_tools)   arm/ gripper/ localization/ camera/color/<camera>
 ACT / ALOHA                observations/qpos, action, observations/images/<camera>
@@ -30,7 +30,7 @@ PIKA_POSE = "end effector is the Pika's own localisation: its frame is the track
 
 
 def metadata(files: Sequence[str]) -> list[str]:
-    """None: the names of files and folders tell the episodes."""
+    """None: the names of files and folders list the episodes."""
     return []
 
 

@@ -39,7 +39,7 @@ pa.set_memory_pool(pa.system_memory_pool())  # Arrow's own keeps address space t
 
 
 class _Info(BaseModel):
-    """What is needed of `meta/info.json`; `null` stands for what is not told."""
+    """What is needed of `meta/info.json`; `null` stands for what is not given."""
 
     codebase_version: str
     features: dict[str, dict[str, Any]]
@@ -236,7 +236,7 @@ def _state(table: pa.Table, features: Mapping[str, Any]) -> tuple[np.ndarray | N
     blocks, names, named = [_matrix(table, key) for key in keys], [], False
     for key, block in zip(keys, blocks, strict=True):
         own = _names_of(features.get(key, {}))
-        told = len(own) == block.shape[1]
-        names += own if told else [f"unnamed_{n}" for n in range(block.shape[1])]
-        named = named or told or len(own) > 1  # one name is that of the vector; another number names no column
+        fit = len(own) == block.shape[1]
+        names += own if fit else [f"unnamed_{n}" for n in range(block.shape[1])]
+        named = named or fit or len(own) > 1  # one name is that of the vector; another number names no column
     return np.hstack(blocks) if blocks else None, names if named else []

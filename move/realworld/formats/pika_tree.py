@@ -125,10 +125,10 @@ def _numbers(files: Sequence[Path], keys: Sequence[str]) -> np.ndarray:
     """The numbers under some keys of each file, (files, numbers) float64; a key's numbers may be a list."""
     rows = []
     for path in files:
-        told = read_json(path, "a JSON file of one sensor reading")
+        reading = read_json(path, "a JSON file of one sensor reading")
         row: list = []
         for key in keys:
-            row += told[key] if isinstance(told[key], list) else [told[key]]
+            row += reading[key] if isinstance(reading[key], list) else [reading[key]]
         if not all(type(number) in (int, float) for number in row):
             raise BadInput(f"{path}: {str(row)[:60]}; expected numbers")
         rows.append(row)

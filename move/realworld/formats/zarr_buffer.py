@@ -2,7 +2,7 @@
 
     data/<key>           first axis: all timesteps of all episodes
     meta/episode_ends    int64, cumulative
-    videos/<episode>/<camera>.mp4   beside a real robot's buffer
+    videos/<episode>/<camera>.mp4   next to a real robot's buffer
 
 The authors' simulation data (img, state, full_state, action) are of this layout too: they hold no robot joints.
 A buffer is fetched whole: its chunks are shared by neighbouring episodes.
