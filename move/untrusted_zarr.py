@@ -14,6 +14,7 @@ from pathlib import Path
 import numcodecs
 import zarr
 from zarr.codecs import BloscCodec, BytesCodec, ZstdCodec
+from zarr.errors import GroupNotFoundError
 from zarr.storage import LocalStore, ZipStore
 
 from move.errors import BadInput
@@ -25,10 +26,19 @@ NUMBERS = "biufc"  # numpy's letters: bool, whole numbers, real numbers, complex
 
 @contextmanager
 def opened_group(path: Path) -> Iterator[zarr.Group]:
-    """Open a group, folder or zip, for reading."""
+    """Open a group, folder or zip, for reading.
+
+    Raises:
+        BadInput: there is none.
+    """
     store = ZipStore(path, mode="r") if path.is_file() else LocalStore(path, read_only=True)
     with closing(store):
-        yield zarr.open_group(store, mode="r", use_consolidated=False)
+        try:
+            group = zarr.open_group(store, mode="r", use_consolidated=False)
+        except GroupNotFoundError:
+            raise BadInput("this is no zarr group; docs/how-to/use_your_own_demonstrations.md makes one of other "
+                           "layouts") from None
+        yield group
 
 
 def array_names(group: zarr.Group) -> list[str]:

@@ -101,6 +101,9 @@ def test_what_places_rest_on_is_said(tmp_path, monkeypatch, capsys):
     assert all("0 taken as closed" in line for line in doubts.values())
     code, out, _ = coverage(monkeypatch, capsys, str(tmp_path / "twice"), "--json", "--within", "-20,-20,80,80")
     assert code == 0 and json.loads(out)["doubts"] == doubts["twice"]
+    assert json.loads(out)["part of the table (cm)"] == "-20.0, -20.0, 80.0, 80.0"
+    _, out, _ = coverage(monkeypatch, capsys, str(tmp_path / "two"), "--json")
+    assert "around these grasps; --within" in json.loads(out)["part of the table (cm)"]
 
 
 def coverage(monkeypatch, capsys, *arguments: str) -> tuple[int, str, str]:

@@ -57,7 +57,8 @@ def coverage(
         "data": found.origin, "left out": "; ".join(found.without) or "nothing",
         "doubts": "; ".join(found.doubts) or "none", "grasps": len(found.places),
         "places": statistics.in_words(statistics.repetitions(found.places)),
-        "part of the table (cm)": ", ".join(f"{100 * value:.1f}" for corner in table for value in corner),
+        "part of the table (cm)": ", ".join(f"{100 * value:.1f}" for corner in table for value in corner)
+        + " (around these grasps; --within names the part that matters)" * (box is None),
         "radius (cm)": known, "places in effect": statistics.effective_number(found.places, curves[0]),
         "largest hole, to the nearest grasp (cm)": 100 * float(holes[0]),
         "success over this part, of that at a place seen (%)": _interval(expected, 0)}

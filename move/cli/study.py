@@ -134,6 +134,9 @@ def verify(
 ) -> None:
     """Recompute a drawn sample of the stored results, or named ones, and compare; a difference ends with code 1."""
     hashes = list(dict.fromkeys(name for name in figures or [] if HASH.fullmatch(name)))
+    for name in figures or []:
+        if name not in hashes and re.fullmatch("[0-9a-fA-F]{4,}", name):
+            raise BadInput(f"verify: {name!r} given; allowed is the whole hash of a run, 16 digits")
     chosen, names = _asked(profile, [name for name in figures or [] if name not in hashes])
     if every and (names or hashes):
         raise BadInput(f"figure: {(names + hashes)[0]!r} given with --all, which checks every file; allowed is one of "
