@@ -6,6 +6,7 @@ import csv
 import math
 import re
 import time
+from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Literal, Optional
 
@@ -303,4 +304,4 @@ def compare(
     chosen = load_profile(profile)
     folders = [chosen.results, chosen.own_results]
     found = comparing.compare(*(comparing.read_evaluation(given, folders) for given in (first, second)))
-    show(found.content(), True, "") if as_json else typer.echo(str(found))
+    show(asdict(found), True, "") if as_json else typer.echo(str(found))
