@@ -120,10 +120,6 @@ class Profile(BaseModel):
         """Where its figures and tables go; the shipped ones are in git."""
         return paths.ROOT / "paper_figures" if self.shipped else paths.own_figures(self.name)
 
-    def parameters(self, notebook: str) -> dict[str, Any]:
-        """What this profile changes in `notebook`."""
-        return self.notebooks.get(notebook, {})
-
     @property
     def observations(self) -> tuple[ObservationKind, ...]:
         """What policies of this profile can see on this machine."""
