@@ -22,7 +22,7 @@ Report = Callable[..., None]
 def show(content: dict[str, Any] | list[dict[str, Any]], as_json: bool, title: str) -> None:
     """Print a record, or a list of records with the same keys, as JSON or as a table."""
     if as_json:
-        finite = to_jsonable_python(content, inf_nan_mode="null", fallback=str)  # JSON has no word for other numbers
+        finite = to_jsonable_python(content, inf_nan_mode="null", fallback=str)
         return typer.echo(json.dumps(finite))
     table = Table(title=title, title_justify="left")
     if isinstance(content, dict):
@@ -30,7 +30,8 @@ def show(content: dict[str, Any] | list[dict[str, Any]], as_json: bool, title: s
     for name in content[0] if content else ["nothing"]:
         table.add_column(str(name), overflow="fold")
     for record in content:
-        table.add_row(*(Text(f"{value:.4g}" if isinstance(value, float) else str(value)) for value in record.values()))
+        table.add_row(*(Text(f"{cell:.4g}" if isinstance(cell, float) else str(cell))
+                        for cell in record.values()))
     Console(width=None if sys.stdout.isatty() else 140).print(table)
 
 

@@ -68,7 +68,7 @@ class Evaluated:
 
 @dataclass(frozen=True)
 class Comparison:
-    """Two evaluations of one task: their rates, and the paired difference with its interval and p value, in 0 to 1."""
+    """Two evaluations of one task: rates, and the paired difference with interval and p value."""
 
     task: str
     first: str

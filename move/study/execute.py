@@ -103,12 +103,13 @@ def _is_held(path: Path) -> bool:
 def _run_all(
     pool: Cluster | ProcessPool, missing: list[tuple[RunSpec, str]], folder: Path, quiet: bool
 ) -> dict[str, str]:
-    """Run all that is missing; return one line of explanation for each run that failed, by its hash."""
+    """Run all that is missing; return one line on each run that failed, by its hash."""
     failed: dict[str, str] = {}
     with progress_bars(quiet) as progress:
         _set_aside(missing, folder, progress.console)
         whole = progress.add_task(f"{len(missing)} runs", total=len(missing))
-        bars = {spec.hash: progress.add_task(spec.label, total=1.0, visible=False) for spec, _ in missing}
+        bars = {spec.hash: progress.add_task(spec.label, total=1.0, visible=False)
+                for spec, _ in missing}
         futures = {pool.submit(spec, folder): spec for spec, _ in missing}
         waiting, trouble = set(futures), ""
         while waiting:

@@ -63,15 +63,14 @@ def grid(base: Callable[..., RunSpec], **axes: Axis) -> list[LabelledRun]:
 
 def _settings(name: str, axis: Axis) -> dict[Label, Mapping[str, Any]]:
     if isinstance(axis, Mapping):
-        return {_label(name, label): settings for label, settings in axis.items()}
-    return {_label(name, value): {name: value} for value in axis}
-
-
-def _label(name: str, value: Any) -> Label:
-    if not isinstance(value, Label):
-        raise BadInput(f"axis {name}: {value!r} given; allowed are texts and numbers, or a mapping from such labels to "
-                       "the settings that they stand for")
-    return value
+        choices = list(axis.items())
+    else:
+        choices = [(value, {name: value}) for value in axis]
+    for label, _ in choices:
+        if not isinstance(label, Label):
+            raise BadInput(f"axis {name}: {label!r} given; allowed are texts and numbers, or a "
+                           "mapping from such labels to the settings that they stand for")
+    return dict(choices)
 
 
 def _merged(chosen: Iterable[tuple[str, Label, Mapping[str, Any]]]) -> dict[str, Any]:

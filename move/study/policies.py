@@ -36,7 +36,7 @@ def _shipped(spec: RunSpec, profile: Profile) -> Path:
 
 
 def folder_of(spec: RunSpec, profile: Profile) -> Path | None:
-    """Where the policy that the run `spec` evaluated is: shipped, or left by a run on this machine; None if neither."""
+    """Where the policy of the run `spec` is: shipped, or left by a run on this machine; else None."""
     folders = _shipped(spec, profile), paths.RUNS / spec.policy_hash / "policy"
     return next((folder for folder in folders if (folder / "run.json").exists()), None)
 

@@ -35,7 +35,7 @@ class RunFailed(RuntimeError):
 
 
 def in_one_line(error: BaseException) -> str:
-    """What went wrong, after the kind of error where the message alone was not written for a reader."""
+    """What went wrong, after the kind of error where its message was not written for a reader."""
     kind = "" if isinstance(error, (BadInput, RunFailed)) else f"{type(error).__name__}: "
     return f"{kind}{' '.join(str(error).split())[:200]}"
 

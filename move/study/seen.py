@@ -38,7 +38,8 @@ def nearest_place(spec: PolicyRun) -> np.ndarray:
     """Metres in the plane from each place of the object that a run tries to the nearest that it saw, (trials,)."""
     from scipy.spatial import cKDTree  # slow to import
 
-    return cKDTree(before_grasp(spec)["object"]).query(_tried(spec)[list(FACTORS["object"])].to_numpy())[0]
+    places = _tried(spec)[list(FACTORS["object"])].to_numpy()
+    return cKDTree(before_grasp(spec)["object"]).query(places)[0]
 
 
 @cache
