@@ -31,7 +31,6 @@ def _profiles() -> list[str]:
 
 Json = Annotated[bool, typer.Option("--json", help="print JSON for machines instead of a table for people")]
 Seed = Annotated[int, typer.Option(min=0, max=LARGEST_SEED, help="decides every random number")]
-Task = Annotated[TaskName, typer.Option(help="the task")]
 ClipActions = Annotated[bool, typer.Option("--clip-actions", help="clip actions to -1..1 as Meta-World does")]
 ProfileName = Annotated[str, typer.Option(help="a settings file under profiles/", autocompletion=_profiles)]
 Figures = Annotated[Optional[list[str]], typer.Argument(
