@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from test_cli import move
 
 from move import paths, yaml_text
-from move.cli.parameters import parameters as read_parameters
+from move.cli.study import read_parameters
 from move.errors import BadInput
 from move.figures import names
 from move.figures.page import parameters

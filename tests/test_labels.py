@@ -79,8 +79,8 @@ def test_of_runs_with_one_hash_the_first_is_kept():
 
 def test_a_profile_is_read_once_however_many_runs_it_makes(monkeypatch):
     read = []
-    real = profiles.read_yaml
-    monkeypatch.setattr(profiles, "read_yaml", lambda path: read.append(path) or real(path))
+    real = profiles.yaml_text.read
+    monkeypatch.setattr(profiles.yaml_text, "read", lambda text, where: read.append(where) or real(text, where))
     profile = load_profile("laptop")
     assert len(parameters.specs("table2_main", profile)) > 60 and len(read) == 1
 

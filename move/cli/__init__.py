@@ -7,7 +7,6 @@ by_hand.py      collect, placements, export, train, evaluate, compare
 study.py        run, plan, verify, figure, doctor
 coverage.py     coverage
 teaching.py     mark
-parameters.py   -p name=value
 options.py      the program, and options that several commands have
 output.py       tables, JSON, bars, paths
 """

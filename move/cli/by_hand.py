@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import csv
 import math
 import re
 import time
+from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Literal, Optional
 
 import typer
 
 from move.choices import Control, ExpertName, ExportFormat, Factors, PlacementRule, Protocol, SpeedLaw
-from move.cli.options import ClipActions, Json, MethodName, ProfileName, Seed, Task, TaskName, app, examples
+from move.cli.options import ClipActions, Json, MethodName, ProfileName, Seed, TaskName, app, examples
 from move.cli.output import progress, show, show_paths
 from move.errors import BadInput
 from move.files import refuse_unwritable
@@ -32,7 +32,7 @@ OF_A_CHECKPOINT = re.compile(r"run\.json|tensors-\d+\.safetensors|\.?[\w.-]+\.(p
     "move collect --method mixture --shares static=0.5,move=0.5"))
 def collect(
     out: Annotated[Optional[Path], typer.Option(help="zarr folder to write (default: under build/data)")] = None,
-    task: Task = "pick-place",
+    task: Annotated[TaskName, typer.Option(help="the task")] = "pick-place",
     method: Annotated[MethodName, typer.Option(help="how it is collected")] = "move",
     timesteps: Annotated[int, typer.Option(help="budget in steps of the environment")] = 2500,
     observation: Annotated[ObservationKind, typer.Option(help="what is kept of each timestep")] = "keypoints",
@@ -129,10 +129,10 @@ def placements(
     if out is None:
         return show(rows if as_json else shown, as_json, f"Placements: {rule}, {places} places, seed {seed}")
     refuse_unwritable(out)
-    with written_aside(out) as beside, beside.open("w", newline="") as file:
-        writer = csv.DictWriter(file, list(shown[0]))
-        writer.writeheader()
-        writer.writerows(shown)
+    import pandas as pd
+
+    with written_aside(out) as beside:
+        pd.DataFrame(shown).to_csv(beside, index=False, lineterminator="\r\n")
     show_paths([out.absolute()])
 
 
@@ -206,11 +206,7 @@ def train(
 
 
 def _refuse_other_content(folder: Path) -> None:
-    """Refuse a folder for a checkpoint that cannot be written, or holds what is not of one.
-
-    Raises:
-        BadInput: the message names what is there.
-    """
+    """Refuse a folder for a checkpoint that cannot be written, or holds what is not of one."""
     refuse_unwritable(folder / "run.json")
     other = sorted(path.name for path in folder.iterdir()) if folder.is_dir() else []
     if strange := [name for name in other if not OF_A_CHECKPOINT.fullmatch(name)]:
@@ -303,4 +299,4 @@ def compare(
     chosen = load_profile(profile)
     folders = [chosen.results, chosen.own_results]
     found = comparing.compare(*(comparing.read_evaluation(given, folders) for given in (first, second)))
-    show(found.content(), True, "") if as_json else typer.echo(str(found))
+    show(asdict(found), True, "") if as_json else typer.echo(str(found))

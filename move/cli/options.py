@@ -29,18 +29,13 @@ def _profiles() -> list[str]:
     return names()
 
 
-def _figures() -> list[str]:
-    return [*figures.short_names(), *figures.names()]
-
-
 Json = Annotated[bool, typer.Option("--json", help="print JSON for machines instead of a table for people")]
 Seed = Annotated[int, typer.Option(min=0, max=LARGEST_SEED, help="decides every random number")]
-Task = Annotated[TaskName, typer.Option(help="the task")]
 ClipActions = Annotated[bool, typer.Option("--clip-actions", help="clip actions to -1..1 as Meta-World does")]
 ProfileName = Annotated[str, typer.Option(help="a settings file under profiles/", autocompletion=_profiles)]
 Figures = Annotated[Optional[list[str]], typer.Argument(
     metavar="[FIGURE]...", help="figures or tables, as fig1 or fig1_sparse (default: all of the profile)",
-    autocompletion=_figures)]
+    autocompletion=lambda: [*figures.short_names(), *figures.names()])]
 Parameters = Annotated[Optional[list[str]], typer.Option(
     "-p", metavar="NAME=VALUE", help="a parameter of the figure instead of the profile's; may be repeated")]
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -11,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import typer
+from pydantic_core import to_jsonable_python
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
@@ -22,28 +22,17 @@ Report = Callable[..., None]
 def show(content: dict[str, Any] | list[dict[str, Any]], as_json: bool, title: str) -> None:
     """Print a record, or a list of records with the same keys, as JSON or as a table."""
     if as_json:
-        return typer.echo(json.dumps(_without_nan(content), default=str))
+        finite = to_jsonable_python(content, inf_nan_mode="null", fallback=str)
+        return typer.echo(json.dumps(finite))
     table = Table(title=title, title_justify="left")
     if isinstance(content, dict):
         content = [{"what": key, "value": value} for key, value in content.items()]
     for name in content[0] if content else ["nothing"]:
         table.add_column(str(name), overflow="fold")
     for record in content:
-        table.add_row(*(Text(_shown(value)) for value in record.values()))
+        table.add_row(*(Text(f"{cell:.4g}" if isinstance(cell, float) else str(cell))
+                        for cell in record.values()))
     Console(width=None if sys.stdout.isatty() else 140).print(table)
-
-
-def _without_nan(value: Any) -> Any:
-    """The same with null for what is no finite number, for which JSON has no word."""
-    if isinstance(value, dict):
-        return {key: _without_nan(part) for key, part in value.items()}
-    if isinstance(value, list | tuple):
-        return [_without_nan(part) for part in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
-
-
-def _shown(value: Any) -> str:
-    return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
 def show_paths(paths: list[Path]) -> None:

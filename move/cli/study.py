@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import re
 import sys
+from collections.abc import Collection
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Optional
 
 import typer
 
 from move import figures as listed
-from move import paths
+from move import paths, yaml_text
 from move.choices import HASH
 from move.cli.options import LARGEST_SEED, Figures, Json, Parameters, ProfileName, app, examples
 from move.cli.output import progress, show, show_paths
-from move.cli.parameters import parameters
 from move.errors import BadInput
 from move.files import refuse_unwritable
 
@@ -44,28 +44,48 @@ def chosen_specs(
 
 
 def _asked(profile: str, figures: list[str] | None) -> tuple[Profile, list[str]]:
-    """The profile and the whole names of the figures; quick, so that a bad name is refused at once.
-
-    Raises:
-        BadInput: an unknown one, or no checkout to find them in.
-    """
+    """The profile and the whole names of the figures; quick, so that a bad name is refused at once."""
     from move.study.profiles import load_profile
 
     paths.refuse_outside_checkout()
     return load_profile(profile), list(dict.fromkeys(listed.named(name) for name in figures or []))
 
 
-def _changes(given: list[str] | None, names: list[str]) -> dict[str, Any]:
-    """What `-p` changes of the parameters of figures.
+def read_parameters(given: list[str], texts: Collection[str] = ()) -> dict[str, Any]:
+    """The parameters that `-p` gives as `name=value`, each value read as YAML reads it.
+
+    Args:
+        texts: the names of those that are texts, whose values are taken as they stand.
 
     Raises:
-        BadInput: no name=value, or a parameter that one of the figures does not have.
+        BadInput: no such assignment, or a name given twice; the profile, which has an option of its own; a text with
+            characters that cannot be printed.
+
+    >>> read_parameters(["seeds=2", "timesteps=[100, 200]", "data=2024-10-01 #2"], ["data"])
+    {'seeds': 2, 'timesteps': [100, 200], 'data': '2024-10-01 #2'}
     """
+    read: dict[str, Any] = {}
+    for text in given:
+        name, equals, value = text.partition("=")
+        if not equals or not name.isidentifier():
+            raise BadInput(f"-p {text[:60]!r}: allowed is name=value")
+        if name == "profile":
+            raise BadInput(f"-p profile: allowed is --profile {value[:60]}")
+        if name in read:
+            raise BadInput(f"-p {name}: given twice; allowed is once")
+        if name in texts and not value.isprintable():
+            raise BadInput(f"-p {name}: {value[:60]!r} given; allowed are characters that can be printed")
+        read[name] = value if name in texts else yaml_text.read(value, f"-p {name}")
+    return read
+
+
+def _changes(given: list[str] | None, names: list[str]) -> dict[str, Any]:
+    """What `-p` changes of the parameters of these figures, each of which has them."""
     if not given:
         return {}
     from move.figures.page.parameters import refuse_unknown, texts
 
-    changes = parameters(given, {text for name in names for text in texts(name)})
+    changes = read_parameters(given, {text for name in names for text in texts(name)})
     for name in names:
         refuse_unknown(name, changes)
     return changes

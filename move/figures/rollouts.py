@@ -61,7 +61,7 @@ def seen(data: Data, *, task: str, seed: RandomSeed = 0, frames: Frames = 8, ima
     from move.figures.plots import film
     from move.study import policies
 
-    kept = [result for result in data.results if policies.is_there(result.spec, data.profile)]
+    kept = [result for result in data.results if policies.folder_of(result.spec, data.profile)]
     absent = [NAMES[result.spec.method] for result in data.results if result not in kept]
     rows, strips, films = [], {}, []
     for result in steps([] if gl_problem() else kept, "policies"):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -25,10 +25,14 @@ PLACE = tuple(SpatialConfiguration((0, 0, 0), (0, 0, 0), (0, 0, 0), 0).columns()
 IN_EVERY_ROW = {"object_x", "object_y"}  # stored runs leave out what their specification gives again
 
 
-class _Row(BaseModel):
-    """What is used of one episode; the others of its columns may be anything."""
+class _Part(BaseModel):
+    """What is used of a part of an evaluation's file, which may hold more."""
 
     model_config = ConfigDict(strict=True, extra="ignore", hide_input_in_errors=True)
+
+
+class _Row(_Part):
+    """One episode."""
 
     trial: NonNegativeInt
     group: str
@@ -36,18 +40,14 @@ class _Row(BaseModel):
     place: dict[str, FiniteFloat]
 
 
-class _Provenance(BaseModel):
-    """What is used of where an evaluation came from."""
-
-    model_config = ConfigDict(strict=True, extra="ignore", hide_input_in_errors=True)
+class _Provenance(_Part):
+    """Where an evaluation came from."""
 
     versions: dict[str, str] = {}
 
 
-class _File(BaseModel):
+class _File(_Part):
     """What `move evaluate --json` prints."""
-
-    model_config = ConfigDict(strict=True, extra="ignore", hide_input_in_errors=True)
 
     task: Annotated[str, Field(pattern=r"^[\w-]{1,100}$")]
     rows: list[dict[str, Any]] = Field(min_length=1)
@@ -65,15 +65,10 @@ class Evaluated:
     rows: list[_Row]
     provenance: dict[str, Any]
 
-    @property
-    def successes(self) -> np.ndarray:
-        """(1, configurations) of 0 and 1, in the order of the trials."""
-        return np.array([[row.success for row in self.rows]], float)
-
 
 @dataclass(frozen=True)
 class Comparison:
-    """Two evaluations of one task: their rates, and the paired difference with its interval and p value."""
+    """Two evaluations of one task: rates, and the paired difference with interval and p value."""
 
     task: str
     first: str
@@ -92,10 +87,6 @@ class Comparison:
                 f"points [{low}, {high}], p {f'= {p:.3f}' if p >= 0.001 else '< 0.001'}, paired at "
                 f"{self.difference.episodes // 2} configurations of {self.task}; how much trainings differ is not "
                 f"counted, for each was evaluated once{others}")
-
-    def content(self) -> dict[str, Any]:
-        """The same as JSON holds it; rates and differences in 0 to 1."""
-        return asdict(self)
 
 
 def read_evaluation(given: str, folders: list[Path]) -> Evaluated:
@@ -168,6 +159,6 @@ def compare(first: Evaluated, second: Evaluated) -> Comparison:
             raise BadInput(f"compare: trial {row.trial} of {first.name} and {paired.trial} of {second.name} did not "
                            "begin in the same configuration; allowed are evaluations with the same starts, episodes "
                            "and factors")
-    one, other = first.successes, second.successes
+    one, other = (np.array([[row.success for row in each.rows]], float) for each in (first, second))
     return Comparison(first.task, first.name, second.name, success_rate(one), success_rate(other),
                       exact_difference(one, other), other_versions(each.provenance for each in (first, second)))

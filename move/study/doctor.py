@@ -17,7 +17,8 @@ Check = dict[str, str]
 
 def examine() -> list[Check]:
     """All checks: name, outcome ("fine", "slow" or "broken"), what was found, and the one line that mends it."""
-    return [_gl(), _cores(), _memory(), *_versions()]
+    cores = _check("processor", "fine", f"{os.cpu_count()} x {processor()}")
+    return [_gl(), cores, _memory(), *_versions()]
 
 
 def _check(name: str, outcome: str, found: str, mend: str = "") -> Check:
@@ -32,12 +33,8 @@ def _gl() -> Check:
     except Exception as error:  # whatever a GL driver raises: it cannot draw
         return _check("GL", "slow", f"cannot draw: {error}", "apt-get install libegl1 libopengl0 libgl1-mesa-dri")
     if "llvmpipe" in renderer:
-        return _check("GL", "fine", f"{renderer}: draws in software, 4-5 ms an image, which is enough")
+        renderer += ": draws in software, 4-5 ms an image, which is enough"
     return _check("GL", "fine", renderer)
-
-
-def _cores() -> Check:
-    return _check("processor", "fine", f"{os.cpu_count()} x {processor()}")
 
 
 def _memory() -> Check:

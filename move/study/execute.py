@@ -13,7 +13,6 @@ from collections.abc import Iterator
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Protocol
 from uuid import uuid4
 
 from filelock import FileLock, Timeout
@@ -33,23 +32,13 @@ from move.errors import BadInput
 from move.files import HOST, put_away_all_remains, refuse_unwritable
 from move.machine import default_workers
 from move.paths import RUNS
-from move.study.cluster import GONE, UnfitWorker, dask_cluster
-from move.study.processes import ProcessPool, RunFailed
+from move.study.cluster import GONE, Cluster, UnfitWorker, dask_cluster
+from move.study.processes import ProcessPool, in_one_line
 from move.study.provenance import deciding
 from move.study.results import NOT_COMPUTED, Result, set_aside, split
 from move.study.spec import RunSpec
 
 PART_SHARE = {"collect": (0.0, 0.1), "train": (0.1, 0.75), "evaluate": (0.85, 0.15)}  # start and share of a run's time
-
-
-class Pool(Protocol):
-    """What computes runs."""
-
-    def submit(self, spec: RunSpec, folder: Path) -> Future:
-        """Compute and store a run some time."""
-
-    def trouble(self) -> str:
-        """What keeps all runs waiting, in a few words; empty if nothing does."""
 
 
 def execute(
@@ -62,18 +51,18 @@ def execute(
             versions; a cluster that does not answer, or whose workers have other ones.
     """
     folder = folder.absolute()
-    _, missing = split(specs, folder)
-    if missing:
-        refuse_unwritable(folder / "result.json")
-        folder.mkdir(parents=True, exist_ok=True)
-        put_away_all_remains(folder)
-        todo = list({spec.hash: spec for spec, _ in missing}.values())
-        local = min(len(todo), workers or default_workers())
-        with only_alike(folder), dask_cluster(cluster, folder) if cluster else ProcessPool(local) as pool:
-            failed = _run_all(pool, missing, folder, quiet)
-        there, missing = split(specs, folder)
-        return there, [(spec, failed.get(spec.hash, why)) for spec, why in missing]
-    return split(specs, folder)
+    there, missing = split(specs, folder)
+    if not missing:
+        return there, missing
+    refuse_unwritable(folder / "result.json")
+    folder.mkdir(parents=True, exist_ok=True)
+    put_away_all_remains(folder)
+    todo = list({spec.hash: (spec, why) for spec, why in missing}.values())
+    local = min(len(todo), workers or default_workers())
+    with only_alike(folder), dask_cluster(cluster, folder) if cluster else ProcessPool(local) as pool:
+        failed = _run_all(pool, todo, folder, quiet)
+    there, missing = split(specs, folder)
+    return there, [(spec, failed.get(spec.hash, why)) for spec, why in missing]
 
 
 WRITING = re.compile(r"\.([0-9a-f]{16})\.(.+)\.(\d+)\.\w+\.writing")  # source and versions, host, process
@@ -111,19 +100,17 @@ def _is_held(path: Path) -> bool:
         return True
 
 
-def _run_all(pool: Pool, missing: list[tuple[RunSpec, str]], folder: Path, quiet: bool) -> dict[str, str]:
-    """Run all that is missing; return one line of explanation for each run that failed, by its hash.
-
-    Raises:
-        BadInput: a cluster whose scheduler is gone, or a worker that cannot store what it computes.
-    """
+def _run_all(
+    pool: Cluster | ProcessPool, missing: list[tuple[RunSpec, str]], folder: Path, quiet: bool
+) -> dict[str, str]:
+    """Run all that is missing; return one line on each run that failed, by its hash."""
     failed: dict[str, str] = {}
-    todo = list({spec.hash: spec for spec, _ in missing}.values())
     with progress_bars(quiet) as progress:
         _set_aside(missing, folder, progress.console)
-        whole = progress.add_task(f"{len(todo)} runs", total=len(todo))
-        bars = {spec.hash: progress.add_task(spec.label, total=1.0, visible=False) for spec in todo}
-        futures = {pool.submit(spec, folder): spec for spec in todo}
+        whole = progress.add_task(f"{len(missing)} runs", total=len(missing))
+        bars = {spec.hash: progress.add_task(spec.label, total=1.0, visible=False)
+                for spec, _ in missing}
+        futures = {pool.submit(spec, folder): spec for spec, _ in missing}
         waiting, trouble = set(futures), ""
         while waiting:
             done, waiting = wait(waiting, timeout=1.0, return_when=FIRST_COMPLETED)
@@ -135,7 +122,7 @@ def _run_all(pool: Pool, missing: list[tuple[RunSpec, str]], folder: Path, quiet
                 _print(progress.console, trouble or "going on")
             fractions = [progress.tasks[bar].completed for bar in bars.values()]
             progress.update(whole, completed=sum(fractions))
-        progress.update(whole, completed=len(todo), refresh=True)
+        progress.update(whole, completed=len(missing), refresh=True)
     return failed
 
 
@@ -154,8 +141,7 @@ def _finish(future: Future, spec: RunSpec, failed: dict[str, str], progress: Pro
     if isinstance(error, UnfitWorker):
         raise error
     if error is not None:
-        name = "" if isinstance(error, (BadInput, RunFailed)) else f"{type(error).__name__}: "
-        failed[spec.hash] = f"failed: {name}{' '.join(str(error).split())[:200]}"
+        failed[spec.hash] = f"failed: {in_one_line(error)}"
         _print(progress.console, f"{spec.label}: {failed[spec.hash]}")
     progress.update(bars[spec.hash], completed=1.0, visible=False)
 

@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
+from functools import partial
 from itertools import product
 from typing import Any
 
 from move.errors import BadInput
 from move.learn.evaluation import Evaluation
+from move.sim.tasks import get_task
+from move.study.kinds import control_run
 from move.study.profiles import NoRecipe
 from move.study.spec import RunSpec
 
@@ -46,8 +49,6 @@ def grid(base: Callable[..., RunSpec], **axes: Axis) -> list[LabelledRun]:
     Raises:
         BadInput: a value that cannot be a label, or two axes that choose the same setting.
 
-    >>> from functools import partial
-    >>> from move.study.kinds import control_run
     >>> runs = grid(partial(control_run, episodes=5), task=["push"], agent=["nothing", "expert"])
     >>> [run.labels["agent"] for run in runs]
     ['nothing', 'expert']
@@ -63,15 +64,14 @@ def grid(base: Callable[..., RunSpec], **axes: Axis) -> list[LabelledRun]:
 
 def _settings(name: str, axis: Axis) -> dict[Label, Mapping[str, Any]]:
     if isinstance(axis, Mapping):
-        return {_label(name, label): settings for label, settings in axis.items()}
-    return {_label(name, value): {name: value} for value in axis}
-
-
-def _label(name: str, value: Any) -> Label:
-    if not isinstance(value, Label):
-        raise BadInput(f"axis {name}: {value!r} given; allowed are texts and numbers, or a mapping from such labels to "
-                       "the settings that they stand for")
-    return value
+        choices = list(axis.items())
+    else:
+        choices = [(value, {name: value}) for value in axis]
+    for label, _ in choices:
+        if not isinstance(label, Label):
+            raise BadInput(f"axis {name}: {label!r} given; allowed are texts and numbers, or a "
+                           "mapping from such labels to the settings that they stand for")
+    return dict(choices)
 
 
 def _merged(chosen: Iterable[tuple[str, Label, Mapping[str, Any]]]) -> dict[str, Any]:
@@ -81,6 +81,18 @@ def _merged(chosen: Iterable[tuple[str, Label, Mapping[str, Any]]]) -> dict[str,
             raise BadInput(f"axis {name}: chooses {', '.join(sorted(twice))}; allowed is what no other axis chooses")
         settings.update(values)
     return settings
+
+
+def budgets(tasks: Iterable[str], most_timesteps: int) -> dict[str, dict[str, Any]]:
+    """The axis `task`, each task with the paper's budget for it, but at most `most_timesteps`."""
+    return {name: {"task": name, "timesteps": get_task(name).budget(most_timesteps)} for name in tasks}
+
+
+def floors_and_ceilings(tasks: Iterable[str], episodes: int) -> list[LabelledRun]:
+    """Of each task: doing nothing, random actions, the expert, and with a goal the expert told a wrong one."""
+    base = partial(control_run, episodes=episodes)
+    agents = {task: ["nothing", "random", "expert"] + ["goal-blind"] * get_task(task).has_target for task in tasks}
+    return [run for task, those in agents.items() for run in grid(base, task=[task], agent=those)]
 
 
 def distinct(runs: Iterable[LabelledRun]) -> list[LabelledRun]:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import shutil
 from collections.abc import Callable
 from pathlib import Path
 
@@ -36,13 +35,10 @@ def _shipped(spec: RunSpec, profile: Profile) -> Path:
     return profile.results / "policies" / spec.policy_hash
 
 
-def _trained_here(spec: RunSpec) -> Path:
-    return paths.RUNS / spec.policy_hash / "policy"
-
-
-def is_there(spec: RunSpec, profile: Profile) -> bool:
-    """Whether the policy that the run `spec` evaluated is shipped, or left by a run on this machine."""
-    return any((folder / "run.json").exists() for folder in (_shipped(spec, profile), _trained_here(spec)))
+def folder_of(spec: RunSpec, profile: Profile) -> Path | None:
+    """Where the policy of the run `spec` is: shipped, or left by a run on this machine; else None."""
+    folders = _shipped(spec, profile), paths.RUNS / spec.policy_hash / "policy"
+    return next((folder for folder in folders if (folder / "run.json").exists()), None)
 
 
 def trained_policy(spec: RunSpec, profile: Profile) -> DiffusionPolicy:
@@ -51,9 +47,8 @@ def trained_policy(spec: RunSpec, profile: Profile) -> DiffusionPolicy:
     Raises:
         BadInput: it is neither shipped nor left by a run on this machine, or damaged, or of another run.
     """
-    for folder in (_shipped(spec, profile), _trained_here(spec)):
-        if (folder / "run.json").exists():
-            return policy_of(sealed(spec, folder))
+    if folder := folder_of(spec, profile):
+        return policy_of(sealed(spec, folder))
     raise BadInput(f"{spec.label}: its policy is not shipped; delete {profile.results / spec.hash}.json and "
                    "give `move run` again to train it here")
 
@@ -155,18 +150,3 @@ def record_episodes(spec: RunSpec, profile: Profile, episodes: dict[int, np.ndar
                   beside)
     seal(spec, path.parent)
     return path
-
-
-def ship(spec: RunSpec, profile: Profile) -> Path:
-    """Copy the finished policy of a run on this machine next to the profile's results, and seal it.
-
-    Raises:
-        BadInput: there is none, or its training is unfinished.
-    """
-    saved = read(_trained_here(spec))
-    if saved is None or not saved.finished:
-        raise BadInput(f"{spec.label}: no finished policy in {_trained_here(spec)}")
-    refuse_other_files(spec, _trained_here(spec))
-    with written_aside(_shipped(spec, profile)) as beside:
-        shutil.copytree(_trained_here(spec), beside, ignore=shutil.ignore_patterns("lock", "*.part"))
-    return _shipped(spec, profile)

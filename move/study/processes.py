@@ -34,6 +34,12 @@ class RunFailed(RuntimeError):
     """A run ended without a result; the message says why in one line."""
 
 
+def in_one_line(error: BaseException) -> str:
+    """What went wrong, after the kind of error where its message was not written for a reader."""
+    kind = "" if isinstance(error, (BadInput, RunFailed)) else f"{type(error).__name__}: "
+    return f"{kind}{' '.join(str(error).split())[:200]}"
+
+
 class Processes:
     """The processes under way, each with the number by which it chooses its GPU."""
 
@@ -54,7 +60,9 @@ class Processes:
             problem = answer.recv()
         except EOFError:  # it died
             process.join()
-            problem = f"its process died of {_cause(process.exitcode or 0)}; the same command goes on with it"
+            code = process.exitcode or 0
+            cause = signal.Signals(-code).name if code < 0 else f"exit code {code}"
+            problem = f"its process died of {cause}; the same command goes on with it"
         process.join()
         with self._lock:
             del self._running[process]
@@ -94,10 +102,6 @@ def _children_allowed() -> Iterator[None]:
             config["daemon"] = daemon
 
 
-def _cause(code: int) -> str:
-    return signal.Signals(-code).name if code < 0 else f"exit code {code}"
-
-
 def _end_with_parent() -> None:
     """End this process as soon as the one that asked for it is gone; Ctrl-C is that one's to handle."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
@@ -131,8 +135,7 @@ def _compute(number: int, answer: Connection, spec: RunSpec, folder: Path, there
             torch.cuda.set_device(number % gpus)
         run_and_report(spec, folder)
     except Exception as error:  # whatever it is, the others go on
-        name = "" if isinstance(error, (BadInput, RunFailed)) else f"{type(error).__name__}: "
-        answer.send(f"{name}{' '.join(str(error).split())[:200]}")
+        answer.send(in_one_line(error))
     else:
         answer.send("")
 

@@ -120,10 +120,6 @@ class Profile(BaseModel):
         """Where its figures and tables go; the shipped ones are in git."""
         return paths.ROOT / "paper_figures" if self.shipped else paths.own_figures(self.name)
 
-    def parameters(self, notebook: str) -> dict[str, Any]:
-        """What this profile changes in `notebook`."""
-        return self.notebooks.get(notebook, {})
-
     @property
     def observations(self) -> tuple[ObservationKind, ...]:
         """What policies of this profile can see on this machine."""
@@ -154,19 +150,6 @@ def names() -> list[str]:
     return sorted(path.stem for path in PROFILES.glob("*.yaml"))
 
 
-def read_yaml(path: Path) -> Any:
-    """A YAML file's content.
-
-    Raises:
-        BadInput: a file that cannot be read, or what `move.yaml_text.read` refuses.
-    """
-    try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise BadInput(f"{path}: not readable as YAML: {error}") from error
-    return yaml_text.read(text, str(path))
-
-
 def load_profile(name: str) -> Profile:
     """The profile called `name`, read from its file.
 
@@ -177,7 +160,9 @@ def load_profile(name: str) -> Profile:
         raise BadInput(f"profile: {name!r} given; allowed are {', '.join(names())} (files under {PROFILES})")
     path = PROFILES / f"{name}.yaml"
     try:
-        content = read_yaml(path)
+        content = yaml_text.read(path.read_text(encoding="utf-8"), str(path))
         return Profile.model_validate(content | {"name": name} if isinstance(content, dict) else content)
+    except (OSError, UnicodeDecodeError) as error:
+        raise BadInput(f"{path}: not readable as YAML: {error}") from error
     except ValidationError as error:
         raise BadInput(f"{path}: {first_problem(error)}") from error

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from itertools import count, groupby, repeat
 from pathlib import Path
 from typing import Any
@@ -81,9 +82,6 @@ def load(spec: RunSpec, folder: Path) -> Result | None:
     return result
 
 
-_read: dict[Path, tuple[tuple[int, ...], Result]] = {}  # by this process; which file it was, when it changed, its size
-
-
 def read(path: Path) -> Result:
     """The result that a file holds, whatever its name; each file is read once a process, unless it changes.
 
@@ -94,18 +92,20 @@ def read(path: Path) -> Result:
         if not path.is_file():
             raise ValueError("it is no file")
         found = path.stat()
-        state = (found.st_ino, found.st_mtime_ns, found.st_size)
-        if path in _read and _read[path][0] == state:
-            return _read[path][1]
-        if found.st_size > LARGEST:
-            raise ValueError(f"{found.st_size} bytes; a result has at most {LARGEST}")
-        spec, rows, content = from_bytes(path.read_bytes())
-        if spec.results_version != RESULTS_VERSION:
-            raise ValueError(f"results version {spec.results_version}; this source reads {RESULTS_VERSION}")
+        return _read(path, found.st_size, found.st_ino, found.st_mtime_ns)
     except (OSError, ValueError, TypeError, KeyError, RecursionError) as error:
         raise BadInput(f"result {path} is not usable: {reason_of(error)}") from error
-    _read[path] = state, Result(spec, rows, **content)
-    return _read[path][1]
+
+
+@cache
+def _read(path: Path, size: int, *state: int) -> Result:
+    """What a file of `size` bytes holds, for as long as its `state` is the same."""
+    if size > LARGEST:
+        raise ValueError(f"{size} bytes; a result has at most {LARGEST}")
+    spec, rows, content = from_bytes(path.read_bytes())
+    if spec.results_version != RESULTS_VERSION:
+        raise ValueError(f"results version {spec.results_version}; this source reads {RESULTS_VERSION}")
+    return Result(spec, rows, **content)
 
 
 def load_named(path: Path) -> Result:

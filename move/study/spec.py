@@ -60,8 +60,9 @@ class _Run(BaseModel):
         """The hash of the run that tries the same policy as `Evaluation()` says: alike where only the starts differ."""
         return self.model_copy(update={"evaluation": Evaluation()}).hash
 
-    def _no_policy(self) -> Self:
-        if self.evaluation.starts in OF_A_POLICY:
+    @model_validator(mode="after")
+    def _starts_of_a_policy_for_policies(self) -> Self:
+        if self.agent != "policy" and self.evaluation.starts in OF_A_POLICY:
             raise ValueError(f"agent {self.agent!r} learnt from nothing; starts {self.evaluation.starts!r} are for "
                              "policies")
         return self
@@ -113,10 +114,6 @@ class ControlRun(_Run):
     collection: None = None
     training: None = None
 
-    @model_validator(mode="after")
-    def _has_no_demonstrations(self) -> Self:
-        return self._no_policy()
-
     @property
     def observation(self) -> str:
         """Nothing that matters: "none"."""
@@ -142,10 +139,10 @@ class CollectionRun(_Collected):
     training: None = None
 
     @model_validator(mode="after")
-    def _one_method_and_no_policy(self) -> Self:
+    def _one_method(self) -> Self:
         if self.collection.shares:
             raise ValueError("attempts of a mixture; allowed are those of each of its methods")
-        return self._no_policy()
+        return self
 
     @property
     def label(self) -> str:

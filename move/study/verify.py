@@ -7,9 +7,8 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Callable
-from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -19,9 +18,6 @@ from move.study.execute import PART_SHARE
 from move.study.provenance import versions_elsewhere
 from move.study.results import NOT_COMPUTED, Result, load_named, split
 from move.study.spec import PolicyRun, RunSpec
-
-if TYPE_CHECKING:
-    from move.study.run import OnProgress
 
 LIKE = ("processor", "cpu_capability", "accelerator", "gl_renderer")
 """Of the provenance: where these differ, so may single episodes."""
@@ -58,7 +54,7 @@ def verify(
 
 def recompute(results: list[Result], on_step: Callable[[float, int], None] | None = None) -> list[dict[str, Any]]:
     """Recompute stored results from nothing; one row each, as `verify` gives them."""
-    return [_recompute(stored, partial(_report, on_step, number, len(results)))
+    return [_recompute(stored, number, len(results), on_step)
             for number, stored in enumerate(results)]
 
 
@@ -68,19 +64,19 @@ def _row(spec: RunSpec, same: bool, judged: str, stored_rate: float | None = Non
             "recomputed_rate": recomputed_rate, "difference": difference or "none"}
 
 
-def _report(on_step: Callable[[float, int], None] | None, before: int, drawn: int, part: str, done: int, total: int
-            ) -> None:
-    """Say how many of the drawn runs are recomputed, the one under way counted in part."""
-    start, share = PART_SHARE[part]
-    if on_step:
-        on_step(before + start + share * done / total, drawn)
-
-
-def _recompute(stored: Result, on_progress: OnProgress | None = None) -> dict[str, Any]:
+def _recompute(
+    stored: Result, before: int, drawn: int, on_step: Callable[[float, int], None] | None
+) -> dict[str, Any]:
     from move.study import run as running  # slow to import, and the check of files recomputes nothing
 
-    with tempfile.TemporaryDirectory() as scratch:
-        again = running.run(stored.spec, Path(scratch) / "results", on_progress, scratch=Path(scratch) / "runs")
+    def report(part: str, done: int, total: int) -> None:
+        start, share = PART_SHARE[part]
+        if on_step:
+            on_step(before + start + share * done / total, drawn)
+
+    with tempfile.TemporaryDirectory() as name:
+        scratch = Path(name)
+        again = running.run(stored.spec, scratch / "results", report, scratch=scratch / "runs")
     other = _elsewhere(stored, again)
     different = first_difference(stored.rows, again.rows)
     if other:

@@ -166,7 +166,7 @@ def parameters(name: str, profile: Profile, changes: Mapping[str, Any] | None = 
     Raises:
         BadInput: an unknown figure or parameter, or a value that is not allowed.
     """
-    changed = profile.parameters(name)
+    changed = profile.notebooks.get(name, {})
     refuse_unknown(name, changed, f"profile {profile.name}: ")
     refuse_unknown(name, changes or {})
     own = {key: _limited(value, profile.limits.get(key)) for key, value in defaults(name).items()}
