@@ -1,5 +1,6 @@
 """What can be set as the authors have it: hand, camera and target, traced-back steps, failures, drawing, their list."""
 
+import json
 import math
 from itertools import islice
 
@@ -12,12 +13,14 @@ from move.learn.agents import Nothing
 from move.learn.evaluate import evaluate
 from move.learn.evaluation import Evaluation, starts
 from move.paper import PAPER_TASKS
-from move.sim.collect import attempts, collect
+from move.sim.collect import CollectionRecord, attempts, collect
 from move.sim.collection import Collection
+from move.sim.coverage import configurations
 from move.sim.scene import camera
 from move.sim.scene.scene import Scene
 from move.sim.tasks import get_task
 from move.sim.tasks.listed import listed_configurations
+from move.study import stored
 from move.study.spec import CollectionRun
 
 TASK = get_task("pick-place")
@@ -80,6 +83,17 @@ def test_failures_are_kept_where_asked():
     assert record.generation_rate < 1 and all_of_them.generation_rate == 1
     assert kept.timesteps == without.timesteps == 2500
     assert max(kept.lengths) == 200 > max(without.lengths)
+    seen = configurations(Collection(**common, keep_failures=True), 0)
+    assert len(seen) == 2500 and seen.episode.nunique() == kept.episodes
+
+
+def test_of_a_failure_that_never_grasped_the_record_has_a_start_and_no_grasp():
+    start, place = TASK.fixed, TASK.fixed.object_position[:2]
+    record = CollectionRecord(2, 2, 20, 10.0, 1.0, [place], 1.0, [start, start], [start], [0, 0], [])
+    whole = stored._whole(stored._shortened(json.loads(json.dumps(record.content()))))
+    assert {len(column) for column in whole["starts"].values()} == {2}
+    assert {len(column) for column in whole["grasps"].values()} == {1}
+    assert CollectionRecord(1, 1, 20, 20.0, 1.0, [], 1.0, [start], [], [0], []).content()["grasps"] == {}
 
 
 # evaluation ------------------------------------------------------------------------------------------------------

@@ -5,7 +5,7 @@
     Nothing         never moves
     Random          acts uniformly at random
     Expert          the ceiling: a scripted expert
-    GoalBlind       the floor: the expert, told a wrong target
+    GoalBlind       the floor: the expert, given a wrong target
 """
 
 from __future__ import annotations
@@ -138,7 +138,7 @@ class Expert:
 
 
 class GoalBlind(Expert):
-    """The floor: the phase expert, told that the target is at the middle of its range; scored on the true target.
+    """The floor: the phase expert, for whom the target is at the middle of its range; scored on the true target.
 
     Raises:
         BadInput: a task without a target.

@@ -164,8 +164,8 @@ def _shapes(checkpoint: Checkpoint) -> dict[str, tuple[int, ...]]:
     return shapes
 
 
-def _existing(folder: Path, device: str = "cpu") -> Checkpoint:
-    checkpoint = read(folder, device)
+def _existing(folder: Path) -> Checkpoint:
+    checkpoint = read(folder)
     if checkpoint is None:
         raise BadInput(f"no checkpoint in {folder}")
     return checkpoint
@@ -176,20 +176,20 @@ def learnt_task(folder: Path) -> str:
     return _existing(folder).task
 
 
-def load_policy(folder: Path, device: str = "cpu", task: str = "") -> DiffusionPolicy:
+def load_policy(folder: Path, task: str = "") -> DiffusionPolicy:
     """The policy with averaged weights from a checkpoint, finished or not.
 
     Raises BadInput if the folder holds none, a damaged one, or one that says that it learnt another task than `task`.
     """
-    checkpoint = _existing(folder, device)
+    checkpoint = _existing(folder)
     if task and checkpoint.task not in ("", task):
         raise BadInput(f"task: {task!r} given; the policy in {folder} learnt {checkpoint.task!r}, and is allowed there")
-    return policy_of(checkpoint, device)
+    return policy_of(checkpoint)
 
 
-def policy_of(checkpoint: Checkpoint, device: str = "cpu") -> DiffusionPolicy:
+def policy_of(checkpoint: Checkpoint) -> DiffusionPolicy:
     """The policy with averaged weights, ready to act."""
     with torch.random.fork_rng(devices=[]):  # the weights drawn here are overwritten
         policy = DiffusionPolicy(checkpoint.training, checkpoint.observation_shape, checkpoint.action_size)
     policy.load_state_dict(checkpoint.group("averaged"))
-    return policy.to(device).eval().requires_grad_(False)
+    return policy.eval().requires_grad_(False)

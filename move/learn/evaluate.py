@@ -45,7 +45,7 @@ def evaluate(
         `SpatialConfiguration.columns` names it), success (at least one successful step, Meta-World's rule),
         success_steps (10 end a demonstration in the authors' code), end_success (the episode's last step was
         successful), held (both fingers held the object, or touched it where the task is done without a grasp, at some
-        step: a failed grasp is told from a missed target), steps; and the task's other conditions by their names, each
+        step: a failed grasp and a missed target differ), steps; and the task's other conditions by their names, each
         whether it held at some step.
     """
     task = task.variant(evaluation.fixed)

@@ -28,7 +28,7 @@ from move.sim.tasks import Task, get_task
 from move.sim.tasks.task import EPISODE_STEPS, SUCCESS_STEPS
 
 STREAM = 1  # first word of every collection seed: no other part of the package draws from it
-HAND = 1  # second word of the seed that draws a hand's start, beside what the scene draws from the same attempt
+HAND = 1  # second word of the seed that draws a hand's start, next to what the scene draws from the same attempt
 GRASP_TOLERANCE = 0.002  # metres between the prescribed grasp point and where the object stood when grasped
 SEEN = 5000  # timesteps of a collection whose configurations its record keeps; more, and nearly all is covered
 PATIENCE = 50  # failed attempts in a row after which a collection is given up
@@ -46,10 +46,10 @@ class CollectionRecord:
     timesteps: int
     mean_steps: float
     generation_rate: float
-    grasp_points: list[tuple[float, float]]  # metres, where each kept demonstration grasped the object
+    grasp_points: list[tuple[float, float]]  # metres, where kept demonstrations grasped; a kept failure may not have
     seconds: float
     starts: list[SpatialConfiguration]  # of the kept demonstrations, in order
-    grasps: list[SpatialConfiguration]  # the same demonstrations at the step of the grasp, or of the first touch
+    grasps: list[SpatialConfiguration]  # those that grasped, at the step of the grasp or of the first touch
     jumps: list[int]  # ADC's jumps of object and target in each of the same demonstrations; 0 for the other methods
     seen: list[tuple[str, SpatialConfiguration]]  # phase and configuration of the first `SEEN` timesteps
 
@@ -61,7 +61,7 @@ class CollectionRecord:
 
 def _columns(configurations: list[SpatialConfiguration]) -> dict[str, list[float]]:
     rows = [configuration.columns() for configuration in configurations]
-    return {name: [round(row[name], 6) for row in rows] for name in rows[0]}
+    return {name: [round(row[name], 6) for row in rows] for name in (rows[0] if rows else ())}
 
 
 @dataclass(frozen=True)
@@ -222,7 +222,7 @@ class _Kept:
         self.budget, self.end, self.steps = budget, 0, 0  # `steps`: before any was cut
         self.ends: list[int] = []
         self.starts: list[SpatialConfiguration] = []
-        self.grasps: list[SpatialConfiguration] = []  # every kept demonstration has one
+        self.grasps: list[SpatialConfiguration] = []  # a kept failure may have none
         self.jumps: list[int] = []
         self.seen: list[tuple[str, SpatialConfiguration]] = []
 
@@ -259,5 +259,5 @@ class _Kept:
 
 
 def record_attributes(collection: Collection, seed: int, record: CollectionRecord) -> dict:
-    """What is stored beside a data set: how it was made and what it cost."""
+    """What is stored next to a data set: how it was made and what it cost."""
     return {"collection": collection.model_dump(), "seed": seed, "record": record.content()}

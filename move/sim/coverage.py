@@ -26,11 +26,11 @@ MEASURED = (2500, 5000)  # timesteps of a collection after which a result says w
 def configurations(collection: Collection, seed: int, env: gymnasium.Env | None = None) -> pd.DataFrame:
     """Where object, target (metres) and camera (radians) were at each timestep of a collection, one row each.
 
-    Columns besides: episode, timestep, phase, method. Failed attempts are left out, as in the data set itself.
+    Columns besides: episode, timestep, phase, method. Failed attempts are left out where the data set has none.
     `env` is as `collect` takes it.
     """
     rows: list[dict[str, Any]] = []
-    kept = (episode for episode in attempts(collection, seed, env) if episode.succeeded)
+    kept = (episode for episode in attempts(collection, seed, env) if episode.succeeded or collection.keep_failures)
     for number, episode in enumerate(kept):
         rows += [{"episode": number, "timestep": timestep, "phase": phase, **where.columns()}
                  for timestep, (phase, where) in enumerate(episode.seen)]

@@ -1,4 +1,4 @@
-"""What Gymnasium makes of MOVE/<task>-v0: a scene that moves by itself while somebody else acts in it."""
+"""What Gymnasium makes of MOVE/<task>-v0: a scene that moves by itself while another program acts in it."""
 
 from __future__ import annotations
 

@@ -24,7 +24,7 @@ from move.sim.scene import camera
 ObservationKind = Literal["keypoints", "rgb"]
 SAMPLES = 4  # of a pixel where images are multisampled, MuJoCo's default
 SHADOW_SIZE = 1024  # pixels along a side of the shadow map; MuJoCo's 4096 costs twice the time and looks the same here
-NEAR_ENOUGH = 0.001  # metres outside of the picture from which something is surely out of view
+NEAR_ENOUGH = 0.001  # metres outside of the picture from which something is out of view
 CORNERS = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))  # of a box, in half sides
 IMAGE_SIZE = 96  # pixels along a side, where nothing else is chosen
 

@@ -17,7 +17,7 @@ import pandas as pd
 
 from move import paths
 from move.files import written_aside
-from move.learn.evaluation import starts
+from move.learn.evaluation import Evaluation, starts
 from move.sim.collection import Collection
 from move.sim.tasks import get_task
 from move.study.provenance import deciding
@@ -33,23 +33,46 @@ SCALES = {"object": (0.01, 0.4), "yaw": (0.05, 4.0), "target": (0.01, 0.4), "cam
 SEARCHES = 32  # sets of length scales: under any other set one of the timesteps found is nearest, or nearly so
 
 
-@cache
 def nearest_place(spec: PolicyRun) -> np.ndarray:
     """Metres in the plane from each place of the object that a run tries to the nearest that it saw, (trials,)."""
-    from scipy.spatial import cKDTree  # slow to import
-
-    places = _tried(spec)[list(FACTORS["object"])].to_numpy()
-    return cKDTree(before_grasp(spec)["object"]).query(places)[0]
+    return _nearest_place(_blind(spec.collection), spec.seed, spec.evaluation)
 
 
-@cache
 def nearest_timesteps(spec: PolicyRun) -> np.ndarray:
     """How far each configuration that a run tries is from timesteps that it saw, (trials, `SEARCHES`, factors).
 
     Which timestep is nearest depends on the factors' length scales; these are the nearest ones under many sets of them.
     Distances are metres for object, target and hand, radians for yaw and camera, in the order of `FACTORS`.
     """
-    seen, tried = before_grasp(spec), _tried(spec)
+    return _nearest_timesteps(_blind(spec.collection), spec.seed, spec.evaluation)
+
+
+def before_grasp(spec: PolicyRun) -> dict[str, np.ndarray]:
+    """Where everything was before the grasps in a run's demonstrations, by factor: (configurations, coordinates).
+
+    Metres and radians, each configuration once; collected once a machine and version. Failed attempts are left out
+    where the data set has none.
+    """
+    return _before_grasp(_blind(spec.collection), spec.seed)
+
+
+def _blind(collection: Collection) -> Collection:
+    """The collection as it is without images."""
+    return collection.model_copy(update={"observation": "keypoints",
+                                         "image_size": Collection.model_fields["image_size"].default})
+
+
+@cache
+def _nearest_place(collection: Collection, seed: int, evaluation: Evaluation) -> np.ndarray:
+    from scipy.spatial import cKDTree  # slow to import
+
+    places = _tried(collection, evaluation)[list(FACTORS["object"])].to_numpy()
+    return cKDTree(_before_grasp(collection, seed)["object"]).query(places)[0]
+
+
+@cache
+def _nearest_timesteps(collection: Collection, seed: int, evaluation: Evaluation) -> np.ndarray:
+    seen, tried = _before_grasp(collection, seed), _tried(collection, evaluation)
     apart = np.stack([np.sqrt(sum((tried[column].to_numpy(np.float32)[:, None] - seen[name][:, axis]) ** 2
                                   for axis, column in enumerate(columns)))
                       for name, columns in FACTORS.items()], axis=-1)
@@ -59,38 +82,27 @@ def nearest_timesteps(spec: PolicyRun) -> np.ndarray:
     return np.take_along_axis(apart, np.stack(places, axis=1)[:, :, None], axis=1)
 
 
-def _tried(spec: PolicyRun) -> pd.DataFrame:
-    """The configurations that a run tries, one row a trial; metres and radians."""
-    task = get_task(spec.task).variant(spec.evaluation.fixed)
-    return pd.DataFrame([start.configuration.columns() for start in starts(task, spec.evaluation)])
+def _tried(collection: Collection, evaluation: Evaluation) -> pd.DataFrame:
+    """The configurations of an evaluation, one row a trial; metres and radians."""
+    task = get_task(collection.task).variant(evaluation.fixed)
+    return pd.DataFrame([start.configuration.columns() for start in starts(task, evaluation)])
 
 
-def before_grasp(spec: PolicyRun) -> dict[str, np.ndarray]:
-    """Where everything was before the grasps in a run's demonstrations, by factor: (configurations, coordinates).
-
-    Metres and radians, each configuration once; collected once a machine and version. Failed attempts are left out, as
-    in the data set itself.
-    """
-    collection = _blind(spec.collection)
-    key = json.dumps([collection.model_dump(mode="json"), spec.seed, deciding()], sort_keys=True)
+def _before_grasp(collection: Collection, seed: int) -> dict[str, np.ndarray]:
+    key = json.dumps([collection.model_dump(mode="json"), seed, deciding()], sort_keys=True)
     path = paths.BUILD / "seen" / f"{hashlib.sha256(key.encode()).hexdigest()[:16]}.npz"
     if (found := _read(path)) is not None:
         return found
     from move.sim.coverage import configurations  # imports the simulator
 
-    rows = configurations(collection, spec.seed)
+    rows = configurations(collection, seed)
     columns = [column for names in FACTORS.values() for column in names]
     once = rows[rows.phase == "pick"][columns].drop_duplicates()
     found = {name: once[list(names)].to_numpy(np.float32) for name, names in FACTORS.items()}
+    path.parent.mkdir(parents=True, exist_ok=True)
     with written_aside(path) as new, new.open("wb") as file:
         np.savez_compressed(file, allow_pickle=False, **found)
     return found
-
-
-def _blind(collection: Collection) -> Collection:
-    """The collection as it is without images."""
-    return collection.model_copy(update={"observation": "keypoints",
-                                         "image_size": Collection.model_fields["image_size"].default})
 
 
 def _read(path: Path) -> dict[str, np.ndarray] | None:

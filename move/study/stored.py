@@ -179,9 +179,9 @@ def from_bytes(raw: bytes) -> tuple[RunSpec, list[dict], dict[str, Any]]:
 
 
 def _whole(record: dict[str, Any]) -> dict[str, Any]:
-    for name in ("starts", "grasps"):
+    for name, count in (("starts", record["demonstrations"]), ("grasps", len(record["grasp_points"]))):
         if record.get(name) is not None:
-            record[name] = {column: values if isinstance(values, list) else [values] * record["demonstrations"]
+            record[name] = {column: values if isinstance(values, list) else [values] * count
                             for column, values in record[name].items()}
     if record.get("grasps") is not None:
         record["grasps"] = _places(record["grasp_points"]) | record["grasps"]

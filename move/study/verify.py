@@ -108,8 +108,8 @@ def first_difference(before: list[dict], after: list[dict]) -> str | None:
     if len(before) != len(after):
         return f"{len(before)} rows, recomputed {len(after)}"
     for number, (old, new) in enumerate(zip(before, after, strict=True)):
-        for name in old.keys() & new.keys():
-            if old[name] != new[name]:
+        for name in old:
+            if name in new and old[name] != new[name]:
                 return f"row {number}: {name} {old[name]}, recomputed {new[name]}"
     return None
 

@@ -123,7 +123,7 @@ class GraspExpert:
 
 
 class PushExpert:
-    """Approach from above, descend beside the handle, push it with the closed hand until it is open enough.
+    """Approach from above, descend next to the handle, push it with the closed hand until it is open enough.
 
     A missed handle starts it over.
     """

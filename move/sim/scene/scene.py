@@ -229,7 +229,7 @@ class Scene(Readable, gymnasium.Env):
 
     @contextmanager
     def with_target_at(self, target: Vector) -> Iterator[None]:
-        """For a while, whoever reads the scene finds the target at `target` (metres); nothing may be stepped."""
+        """For a while, any reader of the scene finds the target at `target` (metres); nothing may be stepped."""
         true = self._configuration.target_position
         self.move_target(target)
         mujoco.mj_kinematics(self._model, self._data)
