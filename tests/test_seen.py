@@ -16,10 +16,10 @@ LAPTOP = load_profile("laptop")
 @pytest.fixture(autouse=True)
 def build(tmp_path, monkeypatch):
     monkeypatch.setattr(paths, "BUILD", tmp_path)
-    for kept in (seen.nearest_place, seen.nearest_timesteps):
+    for kept in (seen._nearest_place, seen._nearest_timesteps):
         kept.cache_clear()
     yield tmp_path
-    for kept in (seen.nearest_place, seen.nearest_timesteps):
+    for kept in (seen._nearest_place, seen._nearest_timesteps):
         kept.cache_clear()
 
 
@@ -35,7 +35,7 @@ def test_static_saw_the_places_of_its_grasps_and_move_many_more(build):
     places = np.unique(seen.before_grasp(static)["object"].round(5), axis=0)
     assert places == pytest.approx(np.unique(np.array(record.grasp_points, np.float32).round(5), axis=0), abs=1e-4)
     assert len(np.unique(seen.before_grasp(move)["object"], axis=0)) > 3 * len(places)
-    tried = seen._tried(static)[["object_x", "object_y"]].to_numpy()
+    tried = seen._tried(static.collection, static.evaluation)[["object_x", "object_y"]].to_numpy()
     slow = np.linalg.norm(tried[:, None] - places[None], axis=2).min(axis=1)
     assert seen.nearest_place(static) == pytest.approx(slow, abs=1e-4)
 
@@ -54,7 +54,7 @@ def test_it_is_collected_once_whatever_is_observed_and_again_where_the_file_is_d
 
 def test_the_nearest_timestep_is_among_those_found_whatever_the_length_scales(build):
     spec = run("move", task="assembly", timesteps=600)
-    saw, tried = seen.before_grasp(spec), seen._tried(spec)
+    saw, tried = seen.before_grasp(spec), seen._tried(spec.collection, spec.evaluation)
     apart = np.stack([np.linalg.norm(tried[list(columns)].to_numpy()[:, None] - saw[name][None], axis=2)
                       for name, columns in seen.FACTORS.items()], axis=2)
     found = seen.nearest_timesteps(spec)
