@@ -33,8 +33,9 @@ from move.sim.tasks import TASKS, get_task
 from move.statistics.cells import by_budget, successes, training_noise
 from move.statistics.data_efficiency import Efficiency, data_efficiency
 from move.statistics.estimates import UNKNOWN, TrainingNoise, difference
+from move.study.axes import budgets, floors_and_ceilings
 from move.study.kinds import policy_run
-from move.study.labels import LabelledRun, budgets, distinct, floors_and_ceilings, grid
+from move.study.labels import LabelledRun, distinct, grid
 from move.study.profiles import Profile
 
 BY = ["task", "timesteps", "method"]

@@ -19,8 +19,9 @@ from move.figures.tables import VARIANTS, counts_text, difference_brief, largest
 from move.sim.motion.wrappers import movable
 from move.sim.tasks import TASKS, get_task
 from move.statistics.estimates import UNKNOWN, TrainingNoise
+from move.study.axes import budgets
 from move.study.kinds import policy_run
-from move.study.labels import LabelledRun, budgets, grid
+from move.study.labels import LabelledRun, grid
 from move.study.profiles import Profile
 
 REPEATED = True

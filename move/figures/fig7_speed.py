@@ -22,8 +22,9 @@ from move.sim.collection import FASTEST, FASTEST_TURN
 from move.sim.motion.wrappers import movable
 from move.sim.tasks import TASKS, get_task
 from move.statistics.estimates import UNKNOWN, TrainingNoise
+from move.study.axes import budgets
 from move.study.kinds import policy_run
-from move.study.labels import LabelledRun, budgets, grid
+from move.study.labels import LabelledRun, grid
 from move.study.profiles import Profile
 
 Speed = Annotated[float, Field(gt=0, le=FASTEST, allow_inf_nan=False)]

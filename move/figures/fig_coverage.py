@@ -17,8 +17,9 @@ from move.figures.plots.style import PAGE_WIDTH, titles
 from move.figures.tables import rate_table
 from move.paper import PAPER_TASKS
 from move.sim.tasks import get_task
+from move.study.axes import budgets
 from move.study.kinds import policy_run
-from move.study.labels import LabelledRun, budgets, distinct, grid
+from move.study.labels import LabelledRun, distinct, grid
 from move.study.profiles import Profile
 from move.study.spec import PolicyRun, RunSpec
 

@@ -18,8 +18,9 @@ from move.figures.tables import COLUMNS, as_columns, difference_brief, differenc
 from move.sim.tasks import TASKS
 from move.statistics.cells import successes, training_noise
 from move.statistics.estimates import UNKNOWN, TrainingNoise, contrast, mean_contrast
+from move.study.axes import budgets
 from move.study.kinds import policy_run
-from move.study.labels import LabelledRun, budgets, grid
+from move.study.labels import LabelledRun, grid
 from move.study.profiles import Profile
 
 BY = ["task", "length", "method"]

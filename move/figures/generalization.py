@@ -19,8 +19,9 @@ from move.learn.evaluation import Evaluation
 from move.paper import PAPER_METHODS
 from move.sim.tasks import TASKS
 from move.sim.tasks.task import EPISODE_STEPS
+from move.study.axes import budgets
 from move.study.kinds import policy_run
-from move.study.labels import LabelledRun, budgets, grid
+from move.study.labels import LabelledRun, grid
 from move.study.profiles import Profile
 from move.study.spec import PolicyRun
 

@@ -17,8 +17,9 @@ from move.figures.tables import difference_means, difference_table, means_text, 
 from move.paper import PAPER_METHODS
 from move.sim.observe import IMAGE_SIZE
 from move.sim.tasks import TASKS
+from move.study.axes import floors_and_ceilings
 from move.study.kinds import policy_run
-from move.study.labels import LabelledRun, floors_and_ceilings, grid
+from move.study.labels import LabelledRun, grid
 from move.study.profiles import Profile
 
 REPEATED = True

@@ -28,8 +28,9 @@ from move.paper import PAPER_METHODS, PAPER_TASKS
 from move.sim.tasks import TASKS
 from move.statistics import distance
 from move.statistics.distance import Curve, HeldOut, Tries
+from move.study.axes import budgets
 from move.study.kinds import control_run, policy_run
-from move.study.labels import LabelledRun, budgets, grid
+from move.study.labels import LabelledRun, grid
 from move.study.profiles import Profile, load_profile
 from move.study.results import Result
 from move.study.spec import PolicyRun

@@ -31,8 +31,9 @@ from move.figures.tables import (
 )
 from move.paper import PAPER_METHODS, PAPER_TASKS
 from move.sim.tasks import TASKS
+from move.study.axes import budgets, floors_and_ceilings
 from move.study.kinds import policy_run
-from move.study.labels import LabelledRun, budgets, floors_and_ceilings, grid
+from move.study.labels import LabelledRun, grid
 from move.study.profiles import Profile
 
 REPEATED = True

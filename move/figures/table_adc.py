@@ -17,8 +17,9 @@ from move.figures.plots.style import PAGE_WIDTH, titles
 from move.figures.tables import difference_brief, rate_table, reading_differences
 from move.paper import PAPER_TASKS
 from move.sim.motion.adc import JUMPS
+from move.study.axes import budgets
 from move.study.kinds import policy_run
-from move.study.labels import LabelledRun, budgets, grid
+from move.study.labels import LabelledRun, grid
 from move.study.profiles import Profile
 
 

@@ -26,8 +26,9 @@ from move.figures.tables import (
     tasks_table,
 )
 from move.paper import PAPER_METHODS, PAPER_TASKS
+from move.study.axes import floors_and_ceilings
 from move.study.kinds import policy_run
-from move.study.labels import LabelledRun, floors_and_ceilings, grid
+from move.study.labels import LabelledRun, grid
 from move.study.profiles import Profile
 
 REPEATED = True

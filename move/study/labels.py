@@ -5,14 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
-from functools import partial
 from itertools import product
 from typing import Any
 
 from move.errors import BadInput
 from move.learn.evaluation import Evaluation
-from move.sim.tasks import get_task
-from move.study.kinds import control_run
 from move.study.profiles import NoRecipe
 from move.study.spec import RunSpec
 
@@ -49,6 +46,8 @@ def grid(base: Callable[..., RunSpec], **axes: Axis) -> list[LabelledRun]:
     Raises:
         BadInput: a value that cannot be a label, or two axes that choose the same setting.
 
+    >>> from functools import partial
+    >>> from move.study.kinds import control_run
     >>> runs = grid(partial(control_run, episodes=5), task=["push"], agent=["nothing", "expert"])
     >>> [run.labels["agent"] for run in runs]
     ['nothing', 'expert']
@@ -81,18 +80,6 @@ def _merged(chosen: Iterable[tuple[str, Label, Mapping[str, Any]]]) -> dict[str,
             raise BadInput(f"axis {name}: chooses {', '.join(sorted(twice))}; allowed is what no other axis chooses")
         settings.update(values)
     return settings
-
-
-def budgets(tasks: Iterable[str], most_timesteps: int) -> dict[str, dict[str, Any]]:
-    """The axis `task`, each task with the paper's budget for it, but at most `most_timesteps`."""
-    return {name: {"task": name, "timesteps": get_task(name).budget(most_timesteps)} for name in tasks}
-
-
-def floors_and_ceilings(tasks: Iterable[str], episodes: int) -> list[LabelledRun]:
-    """Of each task: doing nothing, random actions, the expert, and with a goal the expert told a wrong one."""
-    base = partial(control_run, episodes=episodes)
-    agents = {task: ["nothing", "random", "expert"] + ["goal-blind"] * get_task(task).has_target for task in tasks}
-    return [run for task, those in agents.items() for run in grid(base, task=[task], agent=those)]
 
 
 def distinct(runs: Iterable[LabelledRun]) -> list[LabelledRun]:

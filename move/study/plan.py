@@ -31,7 +31,7 @@ def plan_rows(profile: Profile, figures: dict[str, list[RunSpec]]) -> list[dict[
     rows: list[dict[str, Any]] = []
     runs: set[str] = set()
     policies: set[str] = set()
-    minutes: dict[Any, float] = dict(profile.minutes)
+    minutes: dict[str, float] = {seen: minutes for seen, minutes in profile.minutes.items()}
     for figure, specs in figures.items():
         there, missing = split(specs, profile.results)
         todo = {spec.hash: spec for spec, _ in missing if spec.hash not in runs}
