@@ -1,4 +1,4 @@
-"""Bars: rates side by side or in groups, one thing after the other, and costs."""
+"""Bars: rates in groups, one thing after the other, and costs."""
 
 from __future__ import annotations
 
@@ -17,26 +17,12 @@ from move.statistics.intervals import student_half_width, wilson_interval
 NORMAL = 1.96  # half width of a 95 % interval in standard deviations, where these are known
 
 
-def rates(table: pd.DataFrame, ax: Axes) -> None:
-    """Success rates side by side, one a row of `table`, with intervals, single seeds and the paper's value.
-
-    Args:
-        table: method, value, low, high, seeds (list of single seeds' rates), paper (NaN where it gives none).
-    """
-    for place, row in enumerate(table.itertuples()):
-        _bar(place, row, 0.62, ax)
-        _printed_line(place, row.paper, 0.8, ax)
-    ax.set_xticks(range(len(table)), [NAMES[name] for name in table.method])
-    success_axis(ax, bars=True)
-    ax.set_xlim(-0.6, len(table) - 0.4)
-
-
 def grouped_rates(table: pd.DataFrame, by: str, labels: list[str], ax: Axes) -> None:
     """Success rates of the methods side by side for each value of `by`, with intervals, seeds and the paper's values.
 
     Args:
-        table: `by`, method, value, low, high, seeds, paper (NaN where it gives none); any row may be
-            missing.
+        table: `by`, method, value, low, high, seeds (list of single seeds' rates), paper (NaN where it gives none);
+            any row may be missing.
         labels: what to call the values of `by`, in their order.
     """
     groups, methods = list(table[by].unique()), [name for name in COLOURS if name in set(table.method)]

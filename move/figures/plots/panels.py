@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
-import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -14,8 +13,6 @@ from matplotlib.patches import Patch
 from move.figures.plots.style import COLOURS, NAMES
 
 SEEN = {"rgb": "from pixels", "keypoints": "from keypoints: perception given"}
-
-Strips = Mapping[str, tuple[np.ndarray, Sequence[int]]]  # title -> frames (count, size, size, 3), their timesteps
 
 
 def empty_panel(text: str, ax: Axes) -> None:
