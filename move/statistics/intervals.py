@@ -10,8 +10,8 @@ from move.errors import BadInput
 CONFIDENCE = 0.95
 
 
-def wilson_interval(rate: float, trials: float, *, level: float = CONFIDENCE) -> tuple[float, float]:
-    """Wilson's interval of a success rate.
+def wilson_interval(rate: float, trials: float) -> tuple[float, float]:
+    """Wilson's 95 % interval of a success rate.
 
     Args:
         rate: successes over trials, in [0, 1].
@@ -21,15 +21,15 @@ def wilson_interval(rate: float, trials: float, *, level: float = CONFIDENCE) ->
     >>> round(low, 3), round(high, 3)
     (0.219, 0.613)
     """
-    normal, share = -ndtri((1 - level) / 2), rate * trials / trials
+    normal, share = -ndtri((1 - CONFIDENCE) / 2), rate * trials / trials
     whole = 1 + normal**2 / trials
     centre = (share + normal**2 / (2 * trials)) / whole
     half = normal * np.sqrt(share * (1 - share) / trials + normal**2 / (4 * trials**2)) / whole
     return min(max(float(centre - half), 0.0), rate), max(min(float(centre + half), 1.0), rate)
 
 
-def exact_interval(successes: int, trials: int, *, level: float = CONFIDENCE) -> tuple[float, float]:
-    """Clopper-Pearson interval of a success rate: never covers less often than `level`.
+def exact_interval(successes: int, trials: int) -> tuple[float, float]:
+    """Clopper and Pearson's 95 % interval of a success rate: never covers less often than that.
 
     Raises:
         BadInput: successes outside 0..trials.
@@ -42,17 +42,17 @@ def exact_interval(successes: int, trials: int, *, level: float = CONFIDENCE) ->
         raise BadInput(f"{successes} successes of {trials} trials: allowed are 0..trials of at least one trial")
     from scipy.stats import beta  # slow to import, and only trials by hand ask
 
-    low = beta.ppf((1 - level) / 2, successes, trials - successes + 1) if successes else 0.0
-    high = beta.isf((1 - level) / 2, successes + 1, trials - successes) if successes < trials else 1.0
+    low = beta.ppf((1 - CONFIDENCE) / 2, successes, trials - successes + 1) if successes else 0.0
+    high = beta.isf((1 - CONFIDENCE) / 2, successes + 1, trials - successes) if successes < trials else 1.0
     return float(low), float(high)
 
 
-def student_half_width(deviation: float, count: int, *, level: float = CONFIDENCE) -> float:
-    """Half the width of Student's interval of the mean of `count` values with that standard deviation.
+def student_half_width(deviation: float, count: int) -> float:
+    """Half the width of Student's 95 % interval of the mean of `count` values with that standard deviation.
 
     NaN for a single value, whose spread cannot be known.
 
     >>> round(student_half_width(1.0, 4), 3)
     1.591
     """
-    return float(stdtrit(count - 1, (1 + level) / 2) * deviation / np.sqrt(count)) if count > 1 else float("nan")
+    return float(stdtrit(count - 1, (1 + CONFIDENCE) / 2) * deviation / np.sqrt(count)) if count > 1 else float("nan")

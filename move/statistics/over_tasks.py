@@ -10,6 +10,8 @@ from scipy.special import stdtrit
 
 from move.statistics.intervals import CONFIDENCE
 
+DRAWS = 4000  # resamples of the tasks
+
 
 @dataclass(frozen=True)
 class OverTasks:
@@ -78,10 +80,8 @@ def _p_of_flipped_signs(differences: np.ndarray) -> float:
     return float(min(2 * extreme, 1))
 
 
-def _resampled(
-    values: np.ndarray, statistic: Callable[[np.ndarray], np.ndarray], draws: int = 4000
-) -> tuple[float, float]:
+def _resampled(values: np.ndarray, statistic: Callable[[np.ndarray], np.ndarray]) -> tuple[float, float]:
     """Percentile interval of a statistic of rows drawn with replacement, the same draws each time."""
-    rows = np.random.default_rng(0).integers(len(values), size=(draws, len(values)))
+    rows = np.random.default_rng(0).integers(len(values), size=(DRAWS, len(values)))
     ends = np.quantile(statistic(values[rows]), [(1 - CONFIDENCE) / 2, (1 + CONFIDENCE) / 2])
     return float(ends[0]), float(ends[1])

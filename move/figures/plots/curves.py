@@ -58,9 +58,9 @@ def printed_points(points: pd.DataFrame, ax: Axes) -> None:
                 clip_on=False)
 
 
-def level(value: float, label: str, ax: Axes, style: str = "--") -> None:
+def level(value: float, label: str, ax: Axes) -> None:
     """A horizontal line, a floor or a ceiling, whose label ends at the axis's right end."""
-    ax.axhline(value, color="#666666", lw=0.9, ls=style)
+    ax.axhline(value, color="#666666", lw=0.9, ls="--")
     ax.annotate(label, (1.0, value), xycoords=("axes fraction", "data"), xytext=(-2, 2), textcoords="offset points",
                 ha="right", fontsize=LEAST_POINTS, color="#444444")
 

@@ -34,8 +34,10 @@ from move.video import write_video
 FRAMES_PER_SECOND = 25  # of the scene's 80 timesteps a second, so that a film is about three times slower than real
 LETTERS, BAND = 14, 40  # pixels: height of a film's letters, and of the band that they stand in
 LAST = 25  # frames for which a film shows how it ended
+WEBP_WIDTH = 732  # pixels
 RINGS = {"object": (255, 232, 0), "target": (255, 255, 255)}  # yellow and white: nothing in the scene is
 RING_M, TRAIL, WORD = 0.045, 25, 20  # radius in metres; timesteps that a trail goes back; that a jump is written for
+TRIES = 20  # episodes played to see one succeed and one fail
 FINE = 3  # times as fine are rings drawn, and then made smaller
 
 
@@ -127,7 +129,7 @@ def episode_take(agent: Agent, spec: PolicyRun, number: int, image_size: int) ->
 
 
 def one_of_each(
-    acting: Callable[[int], Agent], spec: PolicyRun, rng: np.random.Generator, image_size: int, tries: int = 20
+    acting: Callable[[int], Agent], spec: PolicyRun, rng: np.random.Generator, image_size: int
 ) -> list[tuple[dict, Take]]:
     """Play evaluation episodes in random order until one has succeeded and one has failed; these two, or the only one.
 
@@ -138,7 +140,7 @@ def one_of_each(
         acting: who acts in the episode of a number.
     """
     shown: dict[bool, tuple[dict, Take]] = {}
-    for number in rng.permutation(spec.evaluation.episodes)[:tries]:
+    for number in rng.permutation(spec.evaluation.episodes)[:TRIES]:
         row, take = episode_take(acting(int(number)), spec, int(number), image_size)
         shown.setdefault(row["success"], (row, take))
         if len(shown) == 2:
@@ -275,14 +277,14 @@ def write_film(frames: np.ndarray, path: Path) -> Path:
     return path
 
 
-def write_webp(frames: np.ndarray, path: Path, width: int = 732) -> Path:
-    """Write frames (timesteps, height, width, 3) uint8 as an animated WebP of `width` pixels, which a README can show.
+def write_webp(frames: np.ndarray, path: Path) -> Path:
+    """Write frames (timesteps, height, width, 3) uint8 as a small animated WebP, which a README can show.
 
     Raises:
         BadInput: it cannot be written, as on a full disk; what was there stays.
     """
-    height = round(frames.shape[1] * width / frames.shape[2])
-    first, *others = (Image.fromarray(frame).resize((width, height), Image.Resampling.LANCZOS) for frame in frames)
+    height = round(frames.shape[1] * WEBP_WIDTH / frames.shape[2])
+    first, *others = (Image.fromarray(frame).resize((WEBP_WIDTH, height), Image.Resampling.LANCZOS) for frame in frames)
     with written_aside(path) as new:
         first.save(new, format="WEBP", save_all=True, append_images=others, duration=1000 // FRAMES_PER_SECOND, loop=0,
                    quality=70, method=4)

@@ -1,12 +1,4 @@
-"""Maps of places, and frames in a row: data and an Axes in, marks on the Axes out; nothing is read from disk.
-
-heatmap, seeds_bar   success over the object's place, and the colour bar of it
-difference           the same of MOVE minus static
-grasps, circle       what lies over such a map
-GRASP_POINT, GRASP   what a legend shows of it
-coverage             where object or target were
-strip                frames in a row
-"""
+"""Maps of places, and frames in a row: data and an Axes in, marks on the Axes out; nothing is read from disk."""
 
 from __future__ import annotations
 

@@ -1,10 +1,4 @@
-"""Whole figures of the real-robot data, laid out from the pieces of `real`; simulated data are headed as such.
-
-cells_figure    success and score of the four cells
-setup_figure    coverage, trajectories and frames of each method: figure 8
-grasp_figure    where demonstrations grasp, and where the next ones should
-object_figure   where the object was seen, and how fast it moved
-"""
+"""Whole figures of the real-robot data, laid out from the pieces of `real`; simulated data are headed as such."""
 
 from __future__ import annotations
 
@@ -94,8 +88,7 @@ def grasp_figure(places: Mapping[str, np.ndarray], proposed: Mapping[str, np.nda
 
 
 def setup_figure(cells: pd.DataFrame, steps: pd.DataFrame, strips: Mapping[str, tuple[np.ndarray, Sequence[str]]], *,
-                 simulated: bool, joints: pd.DataFrame | None = None, lacking: str = "", cell_m: float = 0.05
-                 ) -> Figure:
+                 simulated: bool, joints: pd.DataFrame | None = None, lacking: str = "") -> Figure:
     """Lay out Figure 8: for each method its trajectories, the cells visited, and below all of them frames.
 
     Of an arm whose hand's way is not known its joints over time are drawn.
@@ -130,7 +123,7 @@ def setup_figure(cells: pd.DataFrame, steps: pd.DataFrame, strips: Mapping[str, 
         mine, way = cells[cells["method"] == method], steps[steps["method"] == method]
         left, right = figure.add_subplot(grid[row, 0]), figure.add_subplot(grid[row, 1])
         real_plots.paths(way, left, colour=COLOURS[method])
-        shades = real_plots.coverage_map(mine, right, cell_m=cell_m, colour=COLOURS[method])
+        shades = real_plots.coverage_map(mine, right, colour=COLOURS[method])
         figure.colorbar(shades, ax=right, fraction=0.03, label="timesteps in a cell")
         grasped = way.groupby(["part", "index"])["grasped"].any()
         axes += [left, right]
