@@ -155,9 +155,8 @@ def _curves(rates: pd.DataFrame, ax: Axes) -> None:
         rows = rates[rates.arm == arm].sort_values("demonstrations")
         there, missing = rows[rows.value.notna()], rows[rows.value.isna()]
         shift = 1 + 0.02 * (number - len(ARMS) / 2)
-        ax.errorbar(there.demonstrations * shift, there.value, [there.value - there.low, there.high - there.value],
-                    marker=MARKERS[arm], ms=3, lw=1.0, capsize=1.2, color=COLOURS[ARMS[arm][0]],
-                    ls="-" if ARMS[arm][2] else "--", label=arm)
+        ax.errorbar(there.demonstrations * shift, there.value, errors(there), marker=MARKERS[arm], ms=3, lw=1.0,
+                    capsize=1.2, color=COLOURS[ARMS[arm][0]], ls="-" if ARMS[arm][2] else "--", label=arm)
         ax.plot(missing.demonstrations * shift, [0.02 + 0.05 * number] * len(missing), ls="none", marker="$?$", ms=4,
                 mew=0.3, color=COLOURS[ARMS[arm][0]])
     log_ticks(counts, ax)

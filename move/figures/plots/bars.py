@@ -10,8 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from move.figures.plots.axes import GREY, PRINTED, errors, success_axis
-from move.figures.plots.style import COLOURS, LEAST_POINTS, NAMES
+from move.figures.plots.axes import PRINTED, errors, success_axis
+from move.figures.plots.style import COLOURS, GREY, LEAST_POINTS, NAMES
 from move.statistics.intervals import student_half_width, wilson_interval
 
 NORMAL = 1.96  # half width of a 95 % interval in standard deviations, where these are known

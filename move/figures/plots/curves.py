@@ -9,9 +9,9 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FuncFormatter, MultipleLocator
+from matplotlib.ticker import MultipleLocator
 
-from move.figures.plots.axes import kept_apart, log_ticks, rate_points, short, success_axis
+from move.figures.plots.axes import kept_apart, log_ticks, per_cent, rate_points, short, success_axis
 from move.figures.plots.style import COLOURS, LEAST_POINTS, MARKERS, NAMES
 
 REFERENCE: dict[str, Any] = {"ls": "--", "lw": 1.0}
@@ -121,7 +121,7 @@ def half_widths(table: pd.DataFrame, ax: Axes) -> None:
     for last, height in zip(ends.itertuples(), kept_apart(ends.half_width.to_numpy(), apart), strict=True):
         ax.annotate(f"{100 * last.deviation:.0f} points", (last.seeds, height), xytext=(4, -2),
                     textcoords="offset points", fontsize=LEAST_POINTS)
-    ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{100 * value:.0f}"))
+    ax.yaxis.set_major_formatter(per_cent)
     ax.yaxis.set_major_locator(MultipleLocator(0.05))
     ax.set(xlabel="seeds", ylabel="half width of the interval (points)", xticks=sorted(table.seeds.unique()),
            xlim=(None, table.seeds.max() + 1), ylim=(0, None))

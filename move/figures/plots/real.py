@@ -8,8 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LinearSegmentedColormap, PowerNorm
 from matplotlib.patches import Patch, Rectangle, Wedge
-from matplotlib.ticker import FuncFormatter
 
+from move.figures.plots.axes import errors, per_cent
 from move.figures.plots.style import COLOURS, LEAST_POINTS, MARKERS, NAMES
 from move.paper import REAL_RADIUS_M
 
@@ -25,8 +25,7 @@ def success_cells(table: pd.DataFrame, ax: Axes) -> None:
     """
     for place, row in enumerate(table.itertuples()):
         ax.bar(place, row.rate, width=0.65, color=COLOURS[row.method], alpha=0.85, zorder=2)
-        ax.errorbar(place, row.rate, yerr=[[row.rate - row.low], [row.high - row.rate]], color="black", capsize=3,
-                    linewidth=1, zorder=3)
+        ax.errorbar(place, row.rate, errors(row, "rate"), color="black", capsize=3, linewidth=1, zorder=3)
         ax.text(place, row.high + 0.015, f"{row.successes}/{row.trials}", ha="center", va="bottom")
     _cells_axis(ax, table, "success (%)")
 
@@ -69,7 +68,7 @@ def score_cells(table: pd.DataFrame, ax: Axes) -> None:
 
 def _cells_axis(ax: Axes, table: pd.DataFrame, title: str) -> None:
     ax.set_xticks(range(len(table)), [f"{NAMES[row.method]}\n{row.timesteps:,}" for row in table.itertuples()])
-    ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{100 * value:.0f}"))
+    ax.yaxis.set_major_formatter(per_cent)
     ax.set(ylim=(0, 1), ylabel=title, xlim=(-0.6, len(table) - 0.4), xlabel="method and timesteps of demonstrations")
 
 

@@ -39,6 +39,7 @@ NAMES = {name: method.title for name, method in METHODS.items()} | {
     "goal-blind": "goal-blind expert",
     "unknown": "unknown",
 }
+GREY = "#777777"  # of what is no method's
 COLUMN_WIDTH = 3.4  # inches, one column of a two-column page
 PAGE_WIDTH = 7.0  # inches
 LEAST_POINTS = 7.0  # no text in a figure is smaller
