@@ -14,7 +14,7 @@ from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Seeds
 from move.figures.plots.axes import errors, lines_axis, points_axis
 from move.figures.plots.style import COLUMN_WIDTH, GREY
-from move.figures.tables import VARIANTS, difference_text, rate_table, variant_rows
+from move.figures.tables import difference_text, rate_table, variant_table
 from move.study.kinds import policy_run
 from move.study.labels import LabelledRun, grid
 from move.study.profiles import Profile
@@ -53,10 +53,8 @@ def tables(data: Data) -> dict[str, pd.DataFrame]:
     noise = data.noise()
     return {
         "": rate_table(data.episodes, BY, noise),
-        "differences": pd.DataFrame(
-            [row for claim, rows in data.episodes.groupby("claim", sort=False)
-             for row in variant_rows(rows, "variant", _pairs(claim), noise, named={"claim": claim})],
-            columns=["claim", "variant", *VARIANTS]),
+        "differences": variant_table(
+            data.episodes, ["claim"], "variant", lambda rows: _pairs(rows.claim.iloc[0]), noise),
     }
 
 

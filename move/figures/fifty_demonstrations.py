@@ -16,7 +16,7 @@ from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Counts, Observation, Repeats, TaskName
 from move.figures.plots.axes import errors, log_ticks, success_axis
 from move.figures.plots.style import COLOURS, PAGE_WIDTH, titles
-from move.figures.tables import VARIANTS, rate_table, variant_rows
+from move.figures.tables import rate_table, variant_table
 from move.paths import ROOT
 from move.sim.placement import Placement
 from move.sim.tasks import TASKS
@@ -92,11 +92,8 @@ def tables(data: Data, *, observation: str) -> dict[str, pd.DataFrame]:
     rates = rate_table(data.episodes, BY, noise)
     return {
         "": rates,
-        "differences": pd.DataFrame(
-            [row for key, rows in data.episodes.groupby(BY[:3], sort=False)
-             for row in variant_rows(rows, "arm", [(arm, COPIED) for arm in ARMS if arm != COPIED], noise,
-                                     named=dict(zip(BY[:3], key, strict=True)))],
-            columns=[*BY[:3], "arm", *VARIANTS]),
+        "differences": variant_table(data.episodes, BY[:3], "arm", lambda _: [
+            (arm, COPIED) for arm in ARMS if arm != COPIED], noise),
         "factors": factors_table(data.episodes, noise),
         "predicted": predicted_table(rates),
     }

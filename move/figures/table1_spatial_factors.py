@@ -16,7 +16,7 @@ from move.figures.page.parameters import Count, Observation, Repeats
 from move.figures.plots.panels import seed_dot
 from move.figures.plots.style import PAGE_WIDTH, titles
 from move.figures.tables import (
-    VARIANTS,
+    COLUMNS,
     as_columns,
     difference_brief,
     difference_table,
@@ -65,7 +65,7 @@ def factor_table(episodes: pd.DataFrame, known: TrainingNoise = UNKNOWN) -> pd.D
     rows = [{"method": "static", "factors": more, "baseline": "object",
              **as_columns(unpaired_difference(cells[more], cells["object"], noise))}
             for more in cells if "object" in cells and more != "object"]
-    return pd.DataFrame(with_holm(rows), columns=["method", "factors", *VARIANTS])
+    return pd.DataFrame(with_holm(rows), columns=["method", "factors", "baseline", *COLUMNS])
 
 
 def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:

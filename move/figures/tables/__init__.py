@@ -8,7 +8,6 @@ from move.figures.page.printed import as_markdown, readable, shown
 from move.figures.tables.differences import (
     COLUMNS,
     LEVEL,
-    VARIANTS,
     above_text,
     as_columns,
     counts_text,
@@ -27,7 +26,7 @@ from move.figures.tables.differences import (
     reading_differences,
     summary,
     tasks_table,
-    variant_rows,
+    variant_table,
     verdicts_text,
     with_holm,
     with_verdicts,
@@ -47,11 +46,11 @@ from move.figures.tables.rates import (
 )
 
 __all__ = [
-    "COLUMNS", "LEVEL", "VARIANTS", "above_text", "as_columns", "as_markdown", "task_layout", "collection_costs",
+    "COLUMNS", "LEVEL", "above_text", "as_columns", "as_markdown", "task_layout", "collection_costs",
     "controls",
     "counts_text", "demonstrations_made", "difference_brief", "difference_means", "difference_table", "difference_text",
     "difference_verdict", "differences_at", "grasp_points", "joined", "largest", "means_text", "points",
     "printed_success", "rate_table", "rates_text", "readable", "reading_difference", "reading_differences",
-    "run_costs", "shown", "summary", "tasks_table", "variant_rows", "verdicts_text", "with_holm", "with_level",
+    "run_costs", "shown", "summary", "tasks_table", "variant_table", "verdicts_text", "with_holm", "with_level",
     "with_missing", "with_paper", "with_verdicts",
 ]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 
 import numpy as np
 import pandas as pd
@@ -23,7 +23,6 @@ from move.statistics.verdicts import Finding, verdict
 
 Pair = tuple[np.ndarray, np.ndarray]
 COLUMNS = ("difference", "low", "high", "p", "holm", "trainings")
-VARIANTS = ("baseline", *COLUMNS)
 OVER_TASKS = ["baseline", "tasks", "mean_difference", "low", "high", "iqm_first", "iqm_second", "iqm_low", "iqm_high",
               "improvement", "improvement_low", "improvement_high", "p_value"]
 LEVEL = 0.05  # of a word such as "above": of all the words of one table together
@@ -125,22 +124,27 @@ def reading_differences(episodes: pd.DataFrame, by: str, column: str, other: str
     return pd.DataFrame(rows, columns=[by, column, "baseline", "items", *COLUMNS])
 
 
-def variant_rows(
-    episodes: pd.DataFrame, column: str, pairs: Iterable[tuple], known: TrainingNoise = UNKNOWN,
-    named: Mapping[str, object] | None = None,
-) -> list[dict]:
-    """Variants of one method against each other: a row a pair of values of `column` that are there, with `VARIANTS`.
+def variant_table(
+    episodes: pd.DataFrame, by: list[str], column: str, pairs: Callable[[pd.DataFrame], Iterable[tuple]],
+    known: TrainingNoise = UNKNOWN,
+) -> pd.DataFrame:
+    """Variants of one method against each other: a row a pair of values of `column` that are there, for each of `by`.
 
-    Each is the first minus the second, which stands in the column `baseline`; Holm's adjustment is over these rows.
+    Each is the first minus the second, which stands in the column `baseline`. Holm's adjustment is over the rows of
+    one group. Columns `by`, `column`, baseline and `COLUMNS`.
 
     Args:
-        named: columns that all rows have besides.
+        pairs: takes the episodes of a group of `by`.
     """
-    cells: dict[object, np.ndarray] = {value: successes(rows) for value, rows in episodes.groupby(column)}
-    noise = training_noise(episodes, [column, "method"], known)
-    there = [pair for pair in pairs if set(pair) <= set(cells)]
-    return with_holm([{**(named or {}), column: one, "baseline": other,
-                       **as_columns(difference(cells[one], cells[other], noise))} for one, other in there])
+    rows: list[dict] = []
+    for key, group in episodes.groupby(by, sort=False) if by else [((), episodes)]:
+        cells: dict[object, np.ndarray] = {value: successes(part) for value, part in group.groupby(column)}
+        noise = training_noise(group, [column, "method"], known)
+        rows += with_holm([
+            {**dict(zip(by, key, strict=True)), column: one, "baseline": other,
+             **as_columns(difference(cells[one], cells[other], noise))}
+            for one, other in pairs(group) if {one, other} <= set(cells)])
+    return pd.DataFrame(rows, columns=[*by, column, "baseline", *COLUMNS])
 
 
 def difference_text(row: pd.Series) -> str:
