@@ -36,10 +36,3 @@ from move.figures.plots.points import (
     readings,
     task_rates,
 )
-
-__all__ = [
-    "READINGS", "VERDICT_COLOURS", "changes", "cost_entries", "costs", "coverages", "covered", "curve", "differences",
-    "efficiencies", "entries", "forest", "forest_entries", "gains", "grouped_rates", "half_widths", "ladder", "level",
-    "log_ticks", "own_and_elsewhere", "points_axis", "pooled_entry", "printed_points", "readings", "reference",
-    "reference_entry", "share_interval", "short", "task_rates",
-]
