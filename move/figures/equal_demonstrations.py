@@ -46,7 +46,7 @@ def tables(data: Data) -> dict[str, pd.DataFrame]:
     noise = data.noise()
     return {
         "": rate_table(data.episodes, BY, noise),
-        "differences": difference_table(data.episodes, "equal", others=("static",), known=noise),
+        "differences": difference_table(data.episodes, "equal", noise),
         "made": demonstrations_made(data.results, "equal"),
     }
 

@@ -40,7 +40,7 @@ def tables(data: Data, *, observation: str) -> dict[str, pd.DataFrame]:
     return {
         "": rate_table(whole, BY, noise),
         "points": rate_table(points, BY, noise),
-        "differences": difference_table(whole, "timesteps", others=("static",), known=noise),
+        "differences": difference_table(whole, "timesteps", noise),
         "made": demonstrations_made(data.results, "timesteps"),
     }
 

@@ -107,7 +107,7 @@ def tables(data: Data, *, observation: str) -> dict[str, pd.DataFrame]:
     tried = data.episodes[data.episodes.hand == "anywhere"]
     whole, points, own = (tried[tried.group == group] for group in ("grid", "point", "own"))
     everywhere = data.episodes[data.episodes.group == "grid"]
-    compared = difference_table(everywhere, "hand", others=("static",), known=noise)
+    compared = difference_table(everywhere, "hand", noise)
     return {
         "": with_paper(rate_table(whole, ["method"], noise), "fig1_sparse", on=["method"]),
         "points": rate_table(points, ["method"], noise),

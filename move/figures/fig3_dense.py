@@ -55,15 +55,15 @@ def tables(data: Data, *, observation: str, timesteps: tuple[int, ...]) -> dict[
     budgets, near = (data.episodes[data.episodes.hand == hand] for hand in ("anywhere", "within 3 cm"))
     everywhere = data.episodes[data.episodes.timesteps == timesteps[0]]
     first = budgets[budgets.timesteps == timesteps[0]]
-    compared = difference_table(everywhere, "hand", others=("static",), known=noise)
+    compared = difference_table(everywhere, "hand", noise)
     return {
         "": with_paper(rate_table(first, ["method"], noise), "fig3_dense", on=["method"]),
         "hand": with_paper(rate_table(everywhere, ["hand", "method"], noise), "fig3_dense", on=["method"]),
         "difference": with_paper(compared, "fig3_dense", ["baseline"], "difference"),
         "budgets": rate_table(budgets, ["timesteps", "method"], noise),
-        "budgets_difference": difference_table(budgets, "timesteps", others=("static",), known=noise),
+        "budgets_difference": difference_table(budgets, "timesteps", noise),
         "near_budgets": rate_table(near, ["timesteps", "method"], noise),
-        "near_budgets_difference": difference_table(near, "timesteps", others=("static",), known=noise),
+        "near_budgets_difference": difference_table(near, "timesteps", noise),
         "costs": run_costs(data.results),
     }
 

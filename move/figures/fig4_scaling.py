@@ -21,6 +21,7 @@ from move.figures.tables import (
     COLUMNS,
     LEVEL,
     as_columns,
+    clear_counts,
     controls,
     printed_success,
     rate_table,
@@ -192,8 +193,8 @@ def _median(table: pd.DataFrame) -> str:
 def equal_text(table: pd.DataFrame) -> str:
     """A table of `equal_budgets` in words: how many of the computed pairs differ."""
     there = table.dropna(subset="difference")
-    clear = there[there.holm < LEVEL].difference
-    return f"Budgets called equal: {(clear > 0).sum()} of {len(there)} are above 0, {(clear < 0).sum()} below"
+    counts = clear_counts(there)
+    return f"Budgets called equal: {counts['above']} of {len(there)} are above 0, {counts['below']} below"
 
 
 def _efficiency(row) -> Efficiency:

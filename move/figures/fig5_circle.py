@@ -54,7 +54,7 @@ def tables(data: Data, *, observation: str) -> dict[str, pd.DataFrame]:
         "": with_paper(rate_table(grid, ["where", "method"], noise), "fig5_circle", on=on),
         "points": rate_table(episodes[episodes.group == "point"], ["method"], noise),
         "hand": with_paper(rate_table(everywhere, ["where", "hand", "method"], noise), "fig5_circle", on=on),
-        "differences": differences_at(everywhere, "hand", "where", ("static",), noise),
+        "differences": differences_at(everywhere, "hand", "where", noise),
         "costs": run_costs(data.results),
     }
 

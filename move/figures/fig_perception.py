@@ -49,7 +49,7 @@ def tables(data: Data) -> dict[str, pd.DataFrame]:
     on_grid = tried.experiment.str.startswith("figure")  # where trainings differ more than in table 1
     parts = [(seen, rows, data.noise(seen, grid))
              for (seen, grid), rows in tried.groupby([tried.observation, on_grid], sort=False)]
-    compared = {seen: joined([difference_table(rows, "experiment", ("static",), noise)
+    compared = {seen: joined([difference_table(rows, "experiment", noise)
                               for other, rows, noise in parts if other == seen])
                 for seen in tried.observation.unique()}
     return {"": pd.concat([rate_table(rows, BY, noise) for _, rows, noise in parts]),

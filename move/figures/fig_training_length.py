@@ -46,7 +46,7 @@ def tables(data: Data) -> dict[str, pd.DataFrame]:
     noise, trained = data.noise(), data.episodes
     return {
         "": rate_table(trained, BY, noise),
-        "differences": differences_at(trained, "length", "task", ("static",), noise),
+        "differences": differences_at(trained, "length", "task", noise),
         "depends": length_matters(trained, noise),
         "beyond": length_matters(trained[trained.length >= 1], noise),
     }

@@ -23,7 +23,7 @@ from move.figures.plots import style
 from move.figures.plots.axes import errors, lines_axis, per_cent
 from move.figures.plots.panels import empty_panel
 from move.figures.plots.style import COLOURS, GREY, PAGE_WIDTH, titles
-from move.figures.tables import difference_table, readable
+from move.figures.tables import difference_table, points, readable
 from move.learn.evaluation import Evaluation
 from move.sim.tasks import TASKS
 from move.sim.tasks.listed import COUNT
@@ -228,7 +228,7 @@ def lead_table(episodes: pd.DataFrame, theirs: pd.DataFrame) -> pd.DataFrame:
         theirs: as `published_rates` gives them.
     """
     published = theirs.pivot(index="case", columns="method", values="paper")
-    parts = [difference_table(group, "setting", ("static",)).assign(
+    parts = [difference_table(group, "setting").assign(
         case=case, paper=published.move[case] - published.static[case])
         for case, group in episodes.groupby("case", sort=False)]
     return pd.concat(parts, ignore_index=True)
@@ -296,7 +296,7 @@ def printed(tables: dict[str, pd.DataFrame], data: Data) -> dict[str, pd.DataFra
         if len(known):
             row = known.loc[known.change.idxmin()]
             rows.append({"case": case, "Largest single step of static": row.step,
-                         "Change (points)": f"{_points(row.change)} [{_points(row.low)}, {_points(row.high)}]"})
+                         "Change (points)": f"{points(row.change)} [{points(row.low)}, {points(row.high)}]"})
     return {"largest": readable(pd.DataFrame(rows))}
 
 
@@ -311,10 +311,6 @@ def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
         left = f", with all settings {level[TOGETHER]:.0%}" if TOGETHER in level else ""
         said.append(f"{case}: static {level[PACKAGE]:.0%} here{left}, {theirs:.0%} in the paper")
     return f"**Here:** {'; '.join(said)}. **How sure:** {data.sample_size}"
-
-
-def _points(change: float) -> str:
-    return f"{round(100 * change):+d}"
 
 
 WORDS = Words(

@@ -56,7 +56,7 @@ def tables(data: Data) -> dict[str, pd.DataFrame]:
     noise = data.noise()
     rates = rate_table(data.episodes, ["task", "method", "group"], noise)
     moving = data.episodes[data.episodes.group == "moving"]
-    return {"": own_and_elsewhere(rates), "rates": rates, "differences": difference_table(moving, "task", known=noise)}
+    return {"": own_and_elsewhere(rates), "rates": rates, "differences": difference_table(moving, "task", noise)}
 
 
 def own_and_elsewhere(rates: pd.DataFrame) -> pd.DataFrame:

@@ -51,7 +51,7 @@ def tables(data: Data, *, observation: str) -> dict[str, pd.DataFrame]:
     rates = rate_table(data.episodes, ["factors", "method"], noise)
     return {
         "": with_paper(rates, "table1_spatial_factors", on=["factors", "method"]),
-        "differences": difference_table(data.episodes, "factors", others=("static",), known=noise),
+        "differences": difference_table(data.episodes, "factors", noise),
         "lost": factor_table(data.episodes, noise),
         "costs": run_costs(data.results),
     }

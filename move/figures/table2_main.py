@@ -13,14 +13,15 @@ from move.figures.page.captions import COSTS, DIFFERENCES, INTERVALS, RATES, Wor
 from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Seeds
 from move.figures.page.printed import ABSENT
-from move.figures.plots.style import NAMES, PAGE_WIDTH, titles
+from move.figures.plots.style import PAGE_WIDTH, titles
 from move.figures.tables import (
     controls,
     difference_means,
     difference_table,
+    interval_text,
     means_text,
-    points,
     rate_table,
+    rates_text,
     readable,
     run_costs,
     summary,
@@ -60,8 +61,8 @@ def tables(data: Data) -> dict[str, pd.DataFrame]:
     for observation, ending in (("rgb", ""), ("keypoints", "keypoints")):
         episodes, noise = data.episodes[data.episodes.observation == observation], data.noise(observation)
         rates = rate_table(episodes, ["task", "method"], noise)
-        compared = difference_table(episodes, "task", known=noise)
-        means = difference_means(episodes, "task", known=noise)
+        compared = difference_table(episodes, "task", noise)
+        means = difference_means(episodes, "task", noise)
         if observation == "rgb":
             rates = with_paper(rates, "table2_main", on=["task", "method"])
             compared = with_paper(compared, "table2_main", on=["task", "baseline"], metric="difference")
@@ -120,11 +121,9 @@ def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:
 def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
     """Means in the paper and here, MOVE minus the others on the mean, and how trainings differ."""
     means, noise = _means(tables), {seen: data.noise(seen) for seen in ("rgb", "keypoints")}
-    ours, theirs = (", ".join(f"{NAMES[method]} {value:.1%}" for method, value in
-                              zip(means.method, means[column], strict=True)) for column in ("value", "paper"))
+    ours, theirs = rates_text(means), rates_text(means, "paper")
     pixels, keypoints = (tables[_joined("differences", ending, "mean")] for ending in ("", "keypoints"))
-    given = " and ".join(f"{points(row.difference)} [{points(row.low)}, {points(row.high)}]"
-                         for row in keypoints.itertuples()) or "not computed yet"
+    given = " and ".join(map(interval_text, keypoints.itertuples())) or "not computed yet"
     return (
         f"**The paper:** ten tasks' mean {theirs}. **Here, from pixels:** {ours}; {means_text(pixels)}; from keypoints "
         f"{given}. **How sure:** trainings differ by {100 * noise['rgb'].deviation:.0f} points (keypoints "

@@ -13,7 +13,7 @@ from move.figures.keypoint_control import UNUSED_IMAGE_SIZE
 from move.figures.page.captions import DIFFERENCES, INTERVALS, RATES, Words
 from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Seeds
-from move.figures.plots.style import NAMES, PAGE_WIDTH, titles
+from move.figures.plots.style import PAGE_WIDTH, titles
 from move.figures.tables import (
     above_text,
     controls,
@@ -21,6 +21,7 @@ from move.figures.tables import (
     difference_table,
     means_text,
     rate_table,
+    rates_text,
     summary,
     task_layout,
     tasks_table,
@@ -55,8 +56,8 @@ def tables(data: Data, *, timesteps: int, larger: int) -> dict[str, pd.DataFrame
     return {
         "": rate_table(policies, ["task", "method"], noise),
         "larger": rate_table(more, ["task", "method"], noise),
-        "differences": difference_table(policies, "task", known=noise),
-        "differences_mean": difference_means(policies, "task", known=noise),
+        "differences": difference_table(policies, "task", noise),
+        "differences_mean": difference_means(policies, "task", noise),
         "over_tasks": tasks_table(policies),
     }
 
@@ -83,11 +84,10 @@ def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:
 
 def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
     """Means over the tasks, MOVE minus the others on the mean, and where it is above them."""
-    means = ", ".join(f"{NAMES[row.method]} {row.value:.1%}" for row in _means(tables).itertuples())
     return (
         f"**The paper** has no results from keypoints. **Here, from keypoints:** means over "
-        f"{tables[''].task.nunique()} tasks {means}; {means_text(tables['differences_mean'])}. Single tasks: "
-        f"{above_text(tables['differences'])}. **How sure:** {data.sample_size}")
+        f"{tables[''].task.nunique()} tasks {rates_text(_means(tables))}; {means_text(tables['differences_mean'])}. "
+        f"Single tasks: {above_text(tables['differences'])}. **How sure:** {data.sample_size}")
 
 
 WORDS = Words(

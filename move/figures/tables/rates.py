@@ -14,7 +14,6 @@ from move.sim.tasks import TASKS
 from move.statistics.cells import successes, training_noise
 from move.statistics.estimates import UNKNOWN, TrainingNoise, success_rate
 from move.statistics.intervals import wilson_interval
-from move.study.labels import LabelledRun
 from move.study.results import Result
 from move.study.spec import CollectionRun, PolicyRun
 
@@ -145,19 +144,6 @@ def with_level(rates: pd.DataFrame, floors: pd.DataFrame) -> pd.DataFrame:
     """
     blind, expert = (rates.task.map(floors[name] if name in floors else {}) for name in ("goal-blind", "expert"))
     return rates.assign(level=(rates.value - blind) / (expert - blind))
-
-
-def with_missing(rates: pd.DataFrame, runs: list[LabelledRun], by: list[str]) -> pd.DataFrame:
-    """`rates` with a row for everything that `runs` were to tell, NaN where it is missing, in the order of the runs.
-
-    Args:
-        rates: as `rate_table` gives them by `by`.
-    """
-    wanted = pd.DataFrame([{**run.labels, "task": run.spec.task, "method": run.spec.method,
-                            "observation": run.spec.observation, "timesteps": run.spec.collection.timesteps}
-                           for run in runs if run.spec.collection])
-    table = wanted[by].drop_duplicates().merge(rates, on=by, how="left")
-    return table.assign(seeds=[seeds if isinstance(seeds, list) else [] for seeds in table.seeds])
 
 
 def task_layout(rates: pd.DataFrame, floors: pd.DataFrame, means: pd.DataFrame | None = None) -> pd.DataFrame:
