@@ -76,14 +76,6 @@ def remark(figure: Figure, text: str) -> None:
     figure.supxlabel(text, fontsize=LEAST_POINTS, color="#444444", x=0.01, ha="left")
 
 
-def changed(figure: Figure, text: str) -> None:
-    """Write over the figure how it differs from the shipped one of its name, in letters of 8.5 points.
-
-    The figure grows by the height of the text, so that its panels keep theirs.
-    """
-    heading(figure, text, "#B00000")
-
-
 def heading(figure: Figure, text: str, colour: str = "black") -> None:
     """Write over the figure, under what stands there already, what nobody may overlook who sees it alone.
 
