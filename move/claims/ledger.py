@@ -68,13 +68,8 @@ def entries(evidence: Evidence) -> list[Entry]:
     return [_entry(claim, findings(claim, evidence)) for claim in claims()]
 
 
-def decide(evidence: Evidence) -> pd.DataFrame:
-    """The ledger as a table: one row a claim with its verdict, its numbers, its figure, how many runs and which."""
-    return as_table(entries(evidence))
-
-
 def as_table(decided: Sequence[Entry]) -> pd.DataFrame:
-    """Decided claims as a table."""
+    """One row a claim with its verdict, its numbers, its figure, how many runs and which."""
     return pd.DataFrame([{
         "number": one.number, "claim": one.claim, "place": one.place, "verdict": one.verdict,
         "evidence": "; ".join([*_count(one), *(number.what for number in one.numbers), *one.notes]),
