@@ -267,12 +267,10 @@ def gain_of_two(tries: Tries) -> np.ndarray:
 def findings_on_grids(tries: Tries) -> list[Finding]:
     """What the rule asks of figures 1, 3 and 5, each with its interval."""
     (error, share, residual), low, high = jackknife(tries.run, lambda mask: _on_grids(tries.where(mask)))
-    gains = gain_of_two(tries)
-    half = student_half_width(float(gains.std(ddof=1)), len(gains))
     return [_below(ERROR, error, low[0], high[0], LARGEST_ERROR),
             _below(SHARE, share, low[1], high[1], LARGEST_SHARE),
             Finding(EQUAL, residual, low[2], high[2], -SAME, SAME),
-            _below(GAIN, gains.mean(), gains.mean() - half, gains.mean() + half, LARGEST_GAIN)]
+            _below(GAIN, *_mean(gain_of_two(tries)), LARGEST_GAIN)]
 
 
 def _on_grids(tries: Tries) -> np.ndarray:
