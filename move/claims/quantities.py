@@ -32,11 +32,10 @@ from move.statistics.estimates import (
     success_rate,
     unpaired_difference,
 )
-from move.statistics.intervals import CONFIDENCE, student_half_width
+from move.statistics.intervals import CONFIDENCE, LEAST_ERROR, mean_interval
 from move.statistics.needed import Trials
 from move.statistics.verdicts import NAN, TWO_SIDED, Contradiction, Finding, Item, Missing, Untested
 
-LEAST_ERROR = 1e-3  # of a mean over seeds, which may agree by chance
 
 def findings(claim: Claim, evidence: Evidence) -> list[Item]:
     """Everything that a claim is decided by."""
@@ -194,9 +193,7 @@ def _mean_factor(factors: Sequence[Efficiency], above: float) -> Finding:
 
 def _over_seeds(what: str, values: Sequence[float], each: Quantity, runs: tuple[str, ...] = ()) -> Finding:
     """A number that each seed gives for itself, three or more: Student's interval of its mean."""
-    mean, least = float(np.mean(values)), LEAST_ERROR * len(values) ** 0.5
-    half = student_half_width(max(float(np.std(values, ddof=1)), least), len(values))
-    return Finding(what, mean, mean - half, mean + half, **region(each), runs=runs)
+    return Finding(what, *mean_interval(values, LEAST_ERROR), **region(each), runs=runs)
 
 
 def near_minus_far(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.special import ndtri, stdtrit
 
 from move.errors import BadInput
 
 CONFIDENCE = 0.95
+LEAST_ERROR = 1e-3  # standard, of the mean of a few values, which may agree by chance
 
 
 def wilson_interval(rate: float, trials: float) -> tuple[float, float]:
@@ -45,6 +47,22 @@ def exact_interval(successes: int, trials: int) -> tuple[float, float]:
     low = beta.ppf((1 - CONFIDENCE) / 2, successes, trials - successes + 1) if successes else 0.0
     high = beta.isf((1 - CONFIDENCE) / 2, successes + 1, trials - successes) if successes < trials else 1.0
     return float(low), float(high)
+
+
+def mean_interval(values: ArrayLike, least_error: float = 0.0) -> tuple[float, float, float]:
+    """The mean of values, and the ends of Student's 95 % interval of it; NaN for a single value.
+
+    Args:
+        least_error: the least standard error that is believed.
+
+    >>> mean, low, high = mean_interval([1.0, 2.0, 3.0])
+    >>> mean, round(low, 3), round(high, 3)
+    (2.0, -0.484, 4.484)
+    """
+    found = np.asarray(values, float)
+    deviation = float(found.std(ddof=1)) if len(found) > 1 else float("nan")
+    mean, half = float(found.mean()), student_half_width(max(deviation, least_error * len(found) ** 0.5), len(found))
+    return mean, mean - half, mean + half
 
 
 def student_half_width(deviation: float, count: int) -> float:

@@ -12,7 +12,7 @@ from matplotlib.patches import Patch
 
 from move.figures.plots.axes import PRINTED, errors, success_axis
 from move.figures.plots.style import COLOURS, GREY, LEAST_POINTS, NAMES
-from move.statistics.intervals import student_half_width, wilson_interval
+from move.statistics.intervals import mean_interval, student_half_width, wilson_interval
 
 NORMAL = 1.96  # half width of a 95 % interval in standard deviations, where these are known
 
@@ -85,7 +85,7 @@ def costs(table: pd.DataFrame, value: str, paper: dict[str, float], ax: Axes, sh
         for expert, shift in zip(experts, (-0.2, 0.2), strict=False):
             values = table[(table.method == method) & (table.expert == expert)][value]
             ax.bar(place + shift, values.mean(), width=0.36, color=COLOURS[method], alpha=0.85 if shift < 0 else 0.45)
-            low, high = share_interval(values) if share else _mean_interval(values)
+            low, high = share_interval(values) if share else mean_interval(values)[1:]
             ax.errorbar(place + shift, values.mean(), [[values.mean() - low], [high - values.mean()]], color="black",
                         capsize=2, lw=0.9)
             ax.plot(np.full(len(values), place + shift + 0.1), values, ".", color="#444444", ms=3, clip_on=False)
@@ -103,11 +103,6 @@ def cost_entries(experts: Sequence[str]) -> list[Patch | Line2D]:
             for expert, alpha in zip(experts, (0.85, 0.45), strict=False)]
     dot = Line2D([], [], ls="none", marker=".", ms=4, color="#444444", label="a task")
     return [*bars, dot, Line2D([], [], **PRINTED, label="paper")]
-
-
-def _mean_interval(values: pd.Series) -> tuple[float, float]:
-    half = student_half_width(values.std(), len(values))
-    return values.mean() - half, values.mean() + half
 
 
 def share_interval(shares: pd.Series) -> tuple[float, float]:
