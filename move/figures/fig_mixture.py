@@ -43,11 +43,8 @@ def tables(data: Data) -> dict[str, pd.DataFrame]:
     """Rates at every share, and each share against none."""
     noise = data.noise()
     rates = rate_table(data.episodes, BY, noise).sort_values("share")
-    return {"": rates, "gains": variant_table(data.episodes, [], "share", _against_none, noise)}
-
-
-def _against_none(episodes: pd.DataFrame) -> list[tuple[float, float]]:
-    return [(share, 0.0) for share in sorted(episodes.share.unique()) if share]
+    return {"": rates, "gains": variant_table(data.episodes, [], "share", lambda rows: [
+        (share, 0.0) for share in sorted(rows.share.unique()) if share], noise)}
 
 
 def draw(tables: dict[str, pd.DataFrame], data: Data, *, task: str) -> Figure:

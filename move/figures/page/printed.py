@@ -69,10 +69,6 @@ def _method(value: Any) -> str:
     return NAMES.get(value, _plain(value))
 
 
-def _seeds(values: Any) -> str:
-    return ", ".join(_percent(value) for value in values)
-
-
 def _moves(value: Any) -> str:
     """What moves, as a list: short enough for two of them in a row."""
     return str(value).replace(" + ", ", ")
@@ -86,10 +82,11 @@ COLUMNS: dict[str, tuple[str, Cell]] = {
     "task": ("Task", _task), "method": ("Method", _method), "baseline": ("Against", _method),
     "timesteps": ("Timesteps", _count), "move_timesteps": ("Timesteps, MOVE", _count),
     "static_timesteps": ("Timesteps, static", _count), "value": ("Success (%)", _percent),
-    "level": ("From goal-blind to expert (%)", _percent), "seeds": ("Each seed (%)", _seeds),
-    "episodes": ("Episodes", _count), "trainings": ("Training noise", str),
-    "difference": ("Difference (points)", _points), "p": ("p", _probability), "holm": ("p, Holm", _probability),
-    "items": ("Items", _count), "tasks": ("Tasks", _count), "where": ("Where", _task),
+    "level": ("From goal-blind to expert (%)", _percent),
+    "seeds": ("Each seed (%)", lambda values: ", ".join(map(_percent, values))), "episodes": ("Episodes", _count),
+    "trainings": ("Training noise", str), "difference": ("Difference (points)", _points),
+    "p": ("p", _probability), "holm": ("p, Holm", _probability), "items": ("Items", _count), "tasks": ("Tasks", _count),
+    "where": ("Where", _task),
     "factors": ("Random", _named(all="object, target, hand, camera", **{"object+target": "object, target, hand"})),
     "moves": ("What moves", _moves), "part": ("Whose speed", _named(nothing="static")),
     "share": ("MOVE's share (%)", _percent), "length": ("Gradient steps / the recipe's", _plain),
@@ -119,7 +116,7 @@ COLUMNS: dict[str, tuple[str, Cell]] = {
     "number": ("No.", str), "fisher": ("p, Fisher", _probability),
     "barnard": ("p, Barnard", _probability), "base": ("Base (%)", _percent), "trials": ("Trials", _count),
     "predicted": ("Predicted (%)", _percent), "without": ("Without distances (%)", _percent),
-    "beyond": ("Beyond the radius (%)", _percent), "spread": ("Spread of places (cm)", _percent),
+    "beyond": ("Beyond the radius (%)", _percent), "spread": ("Spread of places (cm)", _percent),  # of metres
     "detectable_rise": ("Found rise (points)", _points), "rate_needed": ("Rate needed (%)", _percent),
 }
 """A column's heading and how its cells are written; another column is shown as it is."""

@@ -36,6 +36,8 @@ LETTERS, BAND = 14, 40  # pixels: height of a film's letters, and of the band th
 LAST = 25  # frames for which a film shows how it ended
 WEBP_WIDTH = 732  # pixels
 RINGS = {"object": (255, 232, 0), "target": (255, 255, 255)}  # yellow and white: nothing in the scene is
+ALONE = {"translation": ("object_speed", 0.03), "rotation": ("yaw_speed", 0.1), "camera": ("camera_speed", 0.07)}
+"""One motion alone: whose speed, and how much, fast enough to be seen."""
 RING_M, TRAIL, WORD = 0.045, 25, 20  # radius in metres; timesteps that a trail goes back; that a jump is written for
 TRIES = 20  # episodes played to see one succeed and one fail
 FINE = 3  # times as fine are rings drawn, and then made smaller
@@ -155,16 +157,16 @@ def demonstration(task: str, method: str, image_size: int = 192, motions: Motion
 
 
 def only(part: str) -> Motions:
-    """Motions of which only one is left, fast enough to be seen: "translation", "rotation" or "camera"."""
+    """Motions of which only one of `ALONE` is left."""
+    field, speed = ALONE[part]
     still = {"object_speed": 0.0, "target_speed": 0.0, "yaw_speed": 0.0, "camera_speed": 0.0}
-    moving = {"translation": {"object_speed": 0.03}, "rotation": {"yaw_speed": 0.1}, "camera": {"camera_speed": 0.07}}
-    return Motions.model_validate({**still, **moving[part]})
+    return Motions.model_validate({**still, field: speed})
 
 
 def pace(part: str) -> str:
     """How fast `only(part)` moves, in words: against the data sets."""
-    field = {"translation": "object_speed", "rotation": "yaw_speed", "camera": "camera_speed"}[part]
-    times = getattr(only(part), field) / getattr(Motions(), field)
+    field, speed = ALONE[part]
+    times = speed / getattr(Motions(), field)
     return f"{times:.2g} times as fast as in the data" if times != 1 else "as fast as in the data"
 
 
