@@ -2,12 +2,6 @@
 
 Rates and differences are shares of 1 in the tables and on the axes, and are written in per cent and in points. A row
 whose value is NaN is drawn as missing. Maps and frames are in `move.figures.plots.maps`.
-
-axes     what they share: per cent, points, ticks
-bars     groups of rates, ladders, costs
-curves   over budgets, speeds, lengths of training, seeds
-distance success by distance, predicted rates
-points   differences, claims, factors, tasks side by side, coverage
 """
 
 from move.figures.plots.axes import log_ticks, points_axis, pooled_entry, short

@@ -1,8 +1,4 @@
-"""Tables that several figures share: from episodes to rates, costs and differences, and differences in words.
-
-rates        success rates with intervals, costs, floors and ceilings; what is missing; layouts for print
-differences  MOVE minus another method, one variant minus another, item by item, on the mean and over tasks
-"""
+"""Tables that several figures share: from episodes to rates, costs and differences, and differences in words."""
 
 from move.figures.page.printed import as_markdown, readable, shown
 from move.figures.tables.differences import (
