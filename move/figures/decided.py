@@ -14,7 +14,8 @@ from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Seeds
 from move.figures.plots.axes import errors, lines_axis, points_axis
 from move.figures.plots.style import COLUMN_WIDTH, GREY
-from move.figures.tables import difference_text, rate_table, variant_table
+from move.figures.tables import rate_table
+from move.figures.tables.differences import difference_text, variant_table
 from move.study.kinds import policy_run
 from move.study.labels import LabelledRun, grid
 from move.study.profiles import Profile

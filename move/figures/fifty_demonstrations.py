@@ -16,7 +16,8 @@ from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Counts, Observation, Repeats, TaskName
 from move.figures.plots.axes import errors, log_ticks, success_axis
 from move.figures.plots.style import COLOURS, PAGE_WIDTH, titles
-from move.figures.tables import rate_table, variant_table
+from move.figures.tables import rate_table
+from move.figures.tables.differences import variant_table
 from move.paths import ROOT
 from move.sim.placement import Placement
 from move.sim.tasks import TASKS

@@ -14,20 +14,12 @@ from move.figures.fig1_sparse import COMPARED, MAPS, STARTS, by_hand, grasp_runs
 from move.figures.page.captions import COSTS, DIFFERENCES, INTERVALS, RATES, Words
 from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Counts, Observation, Repeats, Seeds
+from move.figures.page.printed import readable
 from move.figures.plots import maps
 from move.figures.plots.panels import key_under, legend_below
 from move.figures.plots.style import PAGE_WIDTH, titles
-from move.figures.tables import (
-    difference_table,
-    grasp_points,
-    rate_table,
-    rates_text,
-    readable,
-    run_costs,
-    verdicts_text,
-    with_paper,
-    with_verdicts,
-)
+from move.figures.tables import grasp_points, rate_table, rates_text, run_costs, with_paper
+from move.figures.tables.differences import difference_table, verdicts_text, with_verdicts
 from move.study.labels import LabelledRun
 from move.study.profiles import Profile
 

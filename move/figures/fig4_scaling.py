@@ -15,20 +15,11 @@ from move.figures import plots
 from move.figures.page.captions import INTERVALS, POOLED, RATES, Words
 from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Seeds
+from move.figures.page.printed import readable
 from move.figures.plots.panels import empty_panel
 from move.figures.plots.style import COLUMN_WIDTH, PAGE_WIDTH, titles
-from move.figures.tables import (
-    COLUMNS,
-    LEVEL,
-    as_columns,
-    clear_counts,
-    controls,
-    printed_success,
-    rate_table,
-    readable,
-    with_holm,
-    with_level,
-)
+from move.figures.tables import controls, printed_success, rate_table, with_level
+from move.figures.tables.differences import COLUMNS, LEVEL, as_columns, clear_counts, with_holm
 from move.paper import PAPER_METHODS, PAPER_TASKS, published
 from move.sim.tasks import TASKS, get_task
 from move.statistics.cells import by_budget, successes, training_noise

@@ -13,19 +13,12 @@ from move.figures.fig1_sparse import MAPS, STARTS, by_hand, grasp_runs, success_
 from move.figures.page.captions import COSTS, DIFFERENCES, INTERVALS, RATES, Words
 from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Observation, Repeats, Seeds
+from move.figures.page.printed import readable
 from move.figures.plots import maps
 from move.figures.plots.panels import key_under
 from move.figures.plots.style import NAMES, PAGE_WIDTH, titles
-from move.figures.tables import (
-    differences_at,
-    rate_table,
-    rates_text,
-    readable,
-    run_costs,
-    verdicts_text,
-    with_paper,
-    with_verdicts,
-)
+from move.figures.tables import rate_table, rates_text, run_costs, with_paper
+from move.figures.tables.differences import differences_at, verdicts_text, with_verdicts
 from move.sim.grasp_points import CIRCLE
 from move.statistics.cells import inside_and_outside
 from move.study.labels import LabelledRun

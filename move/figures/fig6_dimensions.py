@@ -15,7 +15,8 @@ from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Seeds
 from move.figures.plots.panels import methods_and_seeds
 from move.figures.plots.style import PAGE_WIDTH, titles
-from move.figures.tables import counts_text, difference_brief, largest, rate_table, variant_table
+from move.figures.tables import rate_table
+from move.figures.tables.differences import counts_text, difference_brief, largest, variant_table
 from move.sim.motion.wrappers import movable
 from move.sim.tasks import TASKS, get_task
 from move.statistics.estimates import UNKNOWN, TrainingNoise

@@ -17,7 +17,8 @@ from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Seeds
 from move.figures.plots.panels import seed_dot
 from move.figures.plots.style import PAGE_WIDTH, titles
-from move.figures.tables import counts_text, difference_brief, largest, rate_table, variant_table
+from move.figures.tables import rate_table
+from move.figures.tables.differences import counts_text, difference_brief, largest, variant_table
 from move.sim.collection import FASTEST, FASTEST_TURN
 from move.sim.motion.wrappers import movable
 from move.sim.tasks import TASKS, get_task

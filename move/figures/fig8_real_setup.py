@@ -13,9 +13,9 @@ from pydantic import Field
 from move import paths
 from move.figures.page.captions import Words
 from move.figures.page.data import Data
+from move.figures.page.printed import as_markdown
 from move.figures.plots import real_figures
 from move.figures.plots.style import COLOURS, NAMES
-from move.figures.tables import as_markdown
 
 if TYPE_CHECKING:
     from move.realworld import RobotDataSet

@@ -13,7 +13,8 @@ from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Observation
 from move.figures.plots.panels import SEEN, methods_and_seeds
 from move.figures.plots.style import PAGE_WIDTH, titles
-from move.figures.tables import counts_text, difference_table, joined, rate_table
+from move.figures.tables import rate_table
+from move.figures.tables.differences import counts_text, difference_table, joined
 from move.study.labels import LabelledRun
 from move.study.profiles import Profile
 

@@ -15,7 +15,8 @@ from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Seeds, TaskName
 from move.figures.plots.panels import methods_and_seeds
 from move.figures.plots.style import COLUMN_WIDTH, titles
-from move.figures.tables import difference_text, rate_table, variant_table
+from move.figures.tables import rate_table
+from move.figures.tables.differences import difference_text, variant_table
 from move.sim.tasks import TASKS
 from move.statistics.estimates import UNKNOWN, TrainingNoise
 from move.study.kinds import policy_run

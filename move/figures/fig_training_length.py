@@ -14,7 +14,8 @@ from move.figures.page.captions import DIFFERENCES, INTERVALS, RATES, Words
 from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Multiple, Repeats
 from move.figures.plots.style import PAGE_WIDTH, titles
-from move.figures.tables import COLUMNS, as_columns, difference_brief, differences_at, rate_table, with_holm
+from move.figures.tables import rate_table
+from move.figures.tables.differences import COLUMNS, as_columns, difference_brief, differences_at, with_holm
 from move.sim.tasks import TASKS
 from move.statistics.cells import successes, training_noise
 from move.statistics.estimates import UNKNOWN, TrainingNoise, contrast, mean_contrast

@@ -19,11 +19,13 @@ from move.figures.fig1_sparse import ANYWHERE, COMPARED, TRACED_BACK
 from move.figures.page.captions import DIFFERENCES, RATES, Words
 from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Multiple, Repeats, Seeds
+from move.figures.page.printed import readable
 from move.figures.plots import style
 from move.figures.plots.axes import errors, lines_axis, per_cent
 from move.figures.plots.panels import empty_panel
 from move.figures.plots.style import COLOURS, GREY, PAGE_WIDTH, titles
-from move.figures.tables import difference_table, points, readable
+from move.figures.tables import points
+from move.figures.tables.differences import difference_table
 from move.learn.evaluation import Evaluation
 from move.sim.tasks import TASKS
 from move.sim.tasks.listed import COUNT

@@ -13,15 +13,8 @@ from move.figures.page.captions import DIFFERENCES, INTERVALS, RATES, Words
 from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Repeats
 from move.figures.plots.style import COLUMN_WIDTH, NAMES, titles
-from move.figures.tables import (
-    difference_means,
-    difference_table,
-    means_text,
-    printed_success,
-    rate_table,
-    rates_text,
-    summary,
-)
+from move.figures.tables import printed_success, rate_table, rates_text
+from move.figures.tables.differences import difference_means, difference_table, means_text, summary
 from move.paper import PAPER_METHODS
 from move.sim.observe import IMAGE_SIZE
 from move.sim.tasks import TASKS

@@ -15,16 +15,8 @@ from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Observation, Repeats
 from move.figures.plots.panels import seed_dot
 from move.figures.plots.style import PAGE_WIDTH, titles
-from move.figures.tables import (
-    COLUMNS,
-    as_columns,
-    difference_brief,
-    difference_table,
-    rate_table,
-    run_costs,
-    with_holm,
-    with_paper,
-)
+from move.figures.tables import rate_table, run_costs, with_paper
+from move.figures.tables.differences import COLUMNS, as_columns, difference_brief, difference_table, with_holm
 from move.statistics.cells import successes, training_noise
 from move.statistics.estimates import UNKNOWN, TrainingNoise, unpaired_difference
 from move.study.kinds import policy_run

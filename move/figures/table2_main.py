@@ -12,23 +12,16 @@ from move.figures import plots
 from move.figures.page.captions import COSTS, DIFFERENCES, INTERVALS, RATES, Words
 from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Seeds
-from move.figures.page.printed import ABSENT
+from move.figures.page.printed import ABSENT, readable
 from move.figures.plots.style import PAGE_WIDTH, titles
-from move.figures.tables import (
-    controls,
+from move.figures.tables import controls, rate_table, rates_text, run_costs, task_layout, with_level, with_paper
+from move.figures.tables.differences import (
     difference_means,
     difference_table,
     interval_text,
     means_text,
-    rate_table,
-    rates_text,
-    readable,
-    run_costs,
     summary,
-    task_layout,
     tasks_table,
-    with_level,
-    with_paper,
 )
 from move.paper import PAPER_METHODS, PAPER_TASKS
 from move.sim.tasks import TASKS

@@ -14,7 +14,8 @@ from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Seeds
 from move.figures.plots.panels import SEEN
 from move.figures.plots.style import PAGE_WIDTH, titles
-from move.figures.tables import COLUMNS, difference_brief, mean_columns, rate_table
+from move.figures.tables import rate_table
+from move.figures.tables.differences import COLUMNS, difference_brief, mean_columns
 from move.paper import PAPER_TASKS
 from move.sim.motion.adc import JUMPS
 from move.statistics.cells import successes, training_noise

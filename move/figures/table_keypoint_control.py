@@ -14,16 +14,13 @@ from move.figures.page.captions import DIFFERENCES, INTERVALS, RATES, Words
 from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Seeds
 from move.figures.plots.style import PAGE_WIDTH, titles
-from move.figures.tables import (
+from move.figures.tables import controls, rate_table, rates_text, task_layout
+from move.figures.tables.differences import (
     above_text,
-    controls,
     difference_means,
     difference_table,
     means_text,
-    rate_table,
-    rates_text,
     summary,
-    task_layout,
     tasks_table,
 )
 from move.paper import PAPER_METHODS, PAPER_TASKS

@@ -30,9 +30,9 @@ def differences(table: pd.DataFrame, by: str, labels: list[str], ax: Axes, means
     """Differences MOVE minus another method with intervals, 0 marked; a column `paper` as diamonds.
 
     Args:
-        table: as `move.figures.tables.difference_table` gives it.
+        table: as `move.figures.tables.differences.difference_table` gives it.
         labels: what to call the values of `by`, in their order.
-        means: as `move.figures.tables.difference_means` gives them: drawn below the last item, under a line.
+        means: as `difference_means` there gives them: drawn below the last item, under a line.
     """
     if means is not None and len(means):
         names = [f"mean of {items}" for items in means["items"]]

@@ -9,6 +9,7 @@ import pandas as pd
 
 from move.figures.page.printed import ABSENT, readable
 from move.figures.plots.style import NAMES
+from move.figures.tables import points
 from move.statistics.cells import successes, training_noise
 from move.statistics.estimates import (
     UNKNOWN,
@@ -126,12 +127,6 @@ def difference_text(row: pd.Series) -> str:
     return f"{interval_text(row, ' points')}, {word}"
 
 
-def rates_text(rates: pd.DataFrame, column: str = "value") -> str:
-    """A table of one rate a method in words: "static 79.2%, MOVE 91.7%"."""
-    return ", ".join(f"{NAMES[method]} {value:.1%}" for method, value in zip(rates.method, rates[column], strict=True)
-                     ) or "nothing is computed yet"
-
-
 def difference_brief(row: pd.Series) -> str:
     """A row in a few words: "+13 [+10, +16], above 0"; no word where it is not distinguishable from 0 after Holm's."""
     word = ("", ", below 0", ", above 0")[int(row.holm < LEVEL) * (1 + int(row.difference > 0))]
@@ -167,11 +162,6 @@ def difference_verdict(row: pd.Series, baseline: float, paper_half_width: float 
     """
     return verdict([Finding("", row.difference, row.low, row.high, paper=row.paper, room=1 - baseline,
                             paper_half_width=paper_half_width)])
-
-
-def points(difference: float) -> str:
-    """A difference of rates in whole points with its sign; never "-0"."""
-    return f"{round(100 * difference):+d}"
 
 
 def interval_text(row, unit: str = "") -> str:
