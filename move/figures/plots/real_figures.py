@@ -1,4 +1,4 @@
-"""Whole figures of the real-robot data, laid out from the pieces of `real`; simulated data are headed as such."""
+"""Whole figures of the real-robot data, as wide as a page; simulated data are headed as such."""
 
 from __future__ import annotations
 
@@ -26,9 +26,6 @@ def cells_figure(table: pd.DataFrame, compared: pd.DataFrame) -> Figure:
     Args:
         table: `trials.real_table`.
         compared: `trials.comparisons`.
-
-    Returns:
-        A figure of two-column width.
     """
     figure, axes = plt.subplots(1, 2, figsize=(PAGE_WIDTH, 2.7))
     real_plots.success_cells(table, axes[0])
@@ -46,9 +43,6 @@ def object_figure(places: pd.DataFrame, speeds: pd.DataFrame, *, simulated: bool
     Args:
         places: `tracking.object_places`.
         speeds: `tracking.object_speeds`.
-
-    Returns:
-        A figure of two-column width.
     """
     methods = [method for method in COLOURS if method in set(places["method"])]
     figure, axes = plt.subplots(1, len(methods) + 1, figsize=(PAGE_WIDTH, 2.0), squeeze=False,
@@ -72,9 +66,6 @@ def grasp_figure(places: Mapping[str, np.ndarray], proposed: Mapping[str, np.nda
         places: method, or "" for one that is not known -> (N, 2) m.
         proposed: the same method -> (K, 2) m, in order.
         simulated: whether to say so on the figure.
-
-    Returns:
-        A figure of two-column width, or of one column for one method.
     """
     width = PAGE_WIDTH if len(places) > 1 else style.COLUMN_WIDTH
     figure, axes = plt.subplots(1, len(places), figsize=(width, 3.2), squeeze=False)
@@ -100,9 +91,6 @@ def setup_figure(cells: pd.DataFrame, steps: pd.DataFrame, strips: Mapping[str, 
         simulated: whether to say so on the figure.
         joints: `workspace.joint_table`, of episodes without a trajectory.
         lacking: why some episodes have no trajectory (`workspace.why_no_positions`), said in a panel of its own.
-
-    Returns:
-        A figure of two-column width.
     """
     methods = [method for method in COLOURS if method in set(cells["method"])]
     shown = [method for method in COLOURS if method in strips]
