@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from move.figures.plots.axes import PRINTED, errors, success_axis
-from move.figures.plots.style import COLOURS, GREY, LEAST_POINTS, NAMES
+from move.figures.plots.style import COLOURS, GREY, LEAST_POINTS, NAMES, in_order
 from move.statistics.intervals import mean_interval, student_half_width, wilson_interval
 
 NORMAL = 1.96  # half width of a 95 % interval in standard deviations, where these are known
@@ -25,7 +25,7 @@ def grouped_rates(table: pd.DataFrame, by: str, labels: list[str], ax: Axes) -> 
             any row may be missing.
         labels: what to call the values of `by`, in their order.
     """
-    groups, methods = list(table[by].unique()), [name for name in COLOURS if name in set(table.method)]
+    groups, methods = list(table[by].unique()), in_order(table.method)
     width, named = 0.8 / len(methods), set()
     for row in table.itertuples():
         place = groups.index(getattr(row, by)) + (methods.index(row.method) - (len(methods) - 1) / 2) * width

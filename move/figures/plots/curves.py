@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MultipleLocator
 
 from move.figures.plots.axes import kept_apart, log_ticks, per_cent, rate_points, short, success_axis
-from move.figures.plots.style import COLOURS, LEAST_POINTS, MARKERS, NAMES
+from move.figures.plots.style import COLOURS, LEAST_POINTS, MARKERS, NAMES, in_order
 
 REFERENCE: dict[str, Any] = {"ls": "--", "lw": 1.0}
 
@@ -27,7 +27,7 @@ def curve(table: pd.DataFrame, x: str, label: str, ax: Axes, log: bool = False, 
     """
     ticks = sorted(table[x].unique())
     apart = 0.035 * (np.log(ticks[-1] / ticks[0]) if log else ticks[-1] - ticks[0])
-    methods = [name for name in COLOURS if name in set(table.method)]
+    methods = in_order(table.method)
     for method, shift in zip(methods, apart * np.linspace(-1, 1, len(methods)) * (len(methods) > 1), strict=True):
         rows = table[table.method == method].sort_values(x)
         rows = rows.assign(place=rows[x] * np.exp(shift) if log else rows[x] + shift)
@@ -83,7 +83,7 @@ def reference_entry(method: str) -> Line2D:
 def entries(methods: Sequence[str], paper: str = "", missing: bool = False) -> list[Line2D]:
     """What a legend shows of curves and points: a line a method, and in grey what diamonds and question marks are."""
     handles = [Line2D([], [], color=COLOURS[name], marker=MARKERS[name], ms=3.4, lw=1.0, label=NAMES[name])
-               for name in COLOURS if name in methods]
+               for name in in_order(methods)]
     handles += [Line2D([], [], ls="none", marker="D", ms=3.5, color="#444444", mfc="white", label=paper)] * bool(paper)
     handles += [Line2D([], [], ls="none", marker="$?$", ms=5, mew=0.3, color="#444444", label="missing")] * missing
     return handles

@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MultipleLocator
 
 from move.figures.plots.axes import errors, kept_apart, lines_axis, per_cent, points_axis, rate_points, success_axis
-from move.figures.plots.style import COLOURS, DIFFERENCES, GREY, LEAST_POINTS, MARKERS, NAMES
+from move.figures.plots.style import COLOURS, DIFFERENCES, GREY, LEAST_POINTS, MARKERS, NAMES, in_order
 from move.paper import PAPER_TASKS
 from move.sim.tasks import TASKS
 
@@ -123,7 +123,7 @@ def task_rates(table: pd.DataFrame, controls: pd.DataFrame, ax: Axes) -> None:
             colour next to its point.
         controls: one row a task; columns "expert" (ceiling) and, where it exists, "goal-blind" (floor).
     """
-    tasks, methods = list(PAPER_TASKS), [name for name in COLOURS if name in set(table.method)]
+    tasks, methods = list(PAPER_TASKS), in_order(table.method)
     for place, task in enumerate(tasks):
         if task not in set(table.task):
             ax.annotate("missing", (place, 0.5), ha="center", va="center", rotation=90, fontsize=LEAST_POINTS,
@@ -170,7 +170,7 @@ def own_and_elsewhere(table: pd.DataFrame, ax: Axes) -> None:
     Args:
         table: method, group ("grasp", "random" or "moving"), value, low, high; any group may be missing.
     """
-    methods = [name for name in COLOURS if name in set(table.method)]
+    methods = in_order(table.method)
     for method, shift in zip(methods, np.linspace(-0.12, 0.12, len(methods)) * (len(methods) > 1), strict=True):
         rows = table[table.method == method].set_index("group").reindex(list(PLACES)).dropna(subset="value")
         rate_points(np.array([list(PLACES).index(group) for group in rows.index]) + shift, rows, method, ax,

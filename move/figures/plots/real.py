@@ -10,7 +10,7 @@ from matplotlib.colors import LinearSegmentedColormap, PowerNorm
 from matplotlib.patches import Patch, Rectangle, Wedge
 
 from move.figures.plots.axes import errors, per_cent
-from move.figures.plots.style import COLOURS, LEAST_POINTS, MARKERS, NAMES
+from move.figures.plots.style import COLOURS, LEAST_POINTS, MARKERS, NAMES, in_order
 from move.paper import REAL_RADIUS_M
 
 CELL_M = 0.05  # of `workspace.coverage`, along each side
@@ -157,7 +157,7 @@ def speed_dots(table: pd.DataFrame, ax: Axes) -> None:
     Args:
         table: columns method, mean_speed, unit (`tracking.object_speeds`).
     """
-    methods = [method for method in COLOURS if method in set(table["method"])]
+    methods = in_order(table["method"])
     for place, method in enumerate(methods):
         values = table.loc[table["method"] == method, "mean_speed"].dropna()
         if values.empty:  # a line without points would take the whole figure in its layout

@@ -14,7 +14,7 @@ from matplotlib.patches import Patch
 
 from move.figures.plots import maps, style
 from move.figures.plots import real as real_plots
-from move.figures.plots.style import COLOURS, NAMES, PAGE_WIDTH
+from move.figures.plots.style import COLOURS, NAMES, PAGE_WIDTH, in_order
 
 JOINTS_A_ROW = 6
 SIMULATED_TEXT = "Simulated data in the layout of real data: no robot was involved"
@@ -44,7 +44,7 @@ def object_figure(places: pd.DataFrame, speeds: pd.DataFrame, *, simulated: bool
         places: `tracking.object_places`.
         speeds: `tracking.object_speeds`.
     """
-    methods = [method for method in COLOURS if method in set(places["method"])]
+    methods = in_order(places["method"])
     figure, axes = plt.subplots(1, len(methods) + 1, figsize=(PAGE_WIDTH, 2.0), squeeze=False,
                                 width_ratios=[1.5] * len(methods) + [1])
     for method, ax in zip(methods, axes[0], strict=False):
@@ -92,8 +92,8 @@ def setup_figure(cells: pd.DataFrame, steps: pd.DataFrame, strips: Mapping[str, 
         joints: `workspace.joint_table`, of episodes without a trajectory.
         lacking: why some episodes have no trajectory (`workspace.why_no_positions`), said in a panel of its own.
     """
-    methods = [method for method in COLOURS if method in set(cells["method"])]
-    shown = [method for method in COLOURS if method in strips]
+    methods = in_order(cells["method"])
+    shown = in_order(strips)
     shapes = [strips[method][0].shape for method in shown]
     heights = [0.95 * PAGE_WIDTH * h / (k * w) + 0.28 for k, h, w, _ in shapes]
     if not shown:

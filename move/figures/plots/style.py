@@ -6,7 +6,7 @@ import math
 import re
 import textwrap
 import zlib
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from io import BytesIO
 from pathlib import Path
 
@@ -47,6 +47,12 @@ UNSEEN_LEVELS = 2  # of 255: a pixel that differs by no more looks the same
 MOST_PASSES = 40  # of the layout until nothing moves; about ten are enough
 STILL = 1e-9  # of the figure's width or height: axes that move by less have come to rest
 LETTERS = "abcdefghijklmnopqrstuvwxyz"
+
+
+def in_order(methods: Iterable[str]) -> list[str]:
+    """Methods, each once, in the order in which all figures have them."""
+    there = set(methods)
+    return [name for name in COLOURS if name in there]
 
 
 def use_style() -> None:
