@@ -138,7 +138,7 @@ def test_what_is_simulated_is_headed_so_and_nothing_lies_over_the_data():
         assert titles(figure) == ["static: the orange (n = 2)", "MOVE: the orange (n = 3)", "its speed"]
         assert figure.get_suptitle() == real_figures.SIMULATED_TEXT * simulated
         assert len(figure.texts) == simulated, "the heading alone"
-        style.changed(figure, "Not the shipped figure")
+        style.heading(figure, "Not the shipped figure")
         assert figure.get_suptitle().split("\n")[-1] == "Not the shipped figure", "under it, and not in its place"
         assert (real_figures.SIMULATED_TEXT in figure.get_suptitle()) is simulated
         plt.close(figure)
