@@ -8,7 +8,7 @@ import pytest
 from move import paper
 from move.errors import BadInput
 from move.figures import table2_main
-from move.figures.tables.rates import with_paper
+from move.figures.tables import with_paper
 
 # Copied by eye, in the order and the units in which the paper prints them; never from `move.paper`.
 PER_CENT = {  # section IV-A and the captions of its figures: static, MOVE

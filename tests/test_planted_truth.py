@@ -33,7 +33,7 @@ from planted import World, features, planted_steps, planted_successes, visited  
 from scipy import stats  # noqa: E402
 
 from move.figures.plots import VERDICT_COLOURS  # noqa: E402
-from move.figures.plots.axes import GREY  # noqa: E402
+from move.figures.plots.style import GREY  # noqa: E402
 from move.paper import PAPER, PAPER_TASKS  # noqa: E402
 from move.sim import coverage  # noqa: E402
 from move.sim.grasp_points import CIRCLE  # noqa: E402

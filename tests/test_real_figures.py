@@ -111,7 +111,7 @@ def test_speeds_are_a_dot_an_episode_over_their_methods_name_and_number(ax):
 def test_the_orange_is_joined_within_an_episode_and_rows_grow_downwards(ax):
     places = pd.DataFrame([{"part": "p", "method": "move", "index": index, "row": 10.0 + step, "column": 20.0 * index,
                             "height": 72, "width": 128} for index in range(2) for step in range(3)])
-    real_plots.object_map(places, ax)
+    real_plots.object_map(places, ax, colour=style.COLOURS["move"])
     assert [line.get_xdata().tolist() for line in ax.get_lines()] == [[0.0] * 3, [20.0] * 3]
     assert ax.get_xlim() == (0, 128) and ax.get_ylim() == (72, 0)
 
@@ -138,7 +138,7 @@ def test_what_is_simulated_is_headed_so_and_nothing_lies_over_the_data():
         assert titles(figure) == ["static: the orange (n = 2)", "MOVE: the orange (n = 3)", "its speed"]
         assert figure.get_suptitle() == real_figures.SIMULATED_TEXT * simulated
         assert len(figure.texts) == simulated, "the heading alone"
-        style.changed(figure, "Not the shipped figure")
+        style.heading(figure, "Not the shipped figure")
         assert figure.get_suptitle().split("\n")[-1] == "Not the shipped figure", "under it, and not in its place"
         assert (real_figures.SIMULATED_TEXT in figure.get_suptitle()) is simulated
         plt.close(figure)

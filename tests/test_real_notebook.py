@@ -12,8 +12,8 @@ import pytest
 import real_writers as w
 
 from move import paths
-from move.figures import load, tables
-from move.figures.page import captions
+from move.figures import load
+from move.figures.page import captions, printed
 from move.figures.page.make import Made
 from move.figures.plots import style
 from move.study.profiles import Profile
@@ -149,9 +149,9 @@ def test_a_layout_that_never_rests_is_written_as_it_is(tmp_path, monkeypatch):
 
 def test_no_text_of_a_data_set_is_markup_in_the_browser():
     odd = "<img src=x onerror=alert(1)>"
-    html = tables.shown(pd.DataFrame({"part": [odd], odd: ["a & b"]})).to_html()
+    html = printed.shown(pd.DataFrame({"part": [odd], odd: ["a & b"]})).to_html()
     assert "<img" not in html and html.count("&lt;img src=x onerror=alert(1)&gt;") == 2 and "a &amp; b" in html
-    assert tables.as_markdown(f"{odd} [a](javascript:b) *c*") == (
+    assert printed.as_markdown(f"{odd} [a](javascript:b) *c*") == (
         r"&lt;img src=x onerror=alert(1)&gt; \[a\](javascript:b) \*c\*")
     assert "](" not in captions.caption(load(SETUP).WORDS, "folder [a](javascript:b)").markdown()
 

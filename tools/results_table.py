@@ -11,7 +11,8 @@ import pandas as pd
 from move import paper, paths
 from move.claims.quantities import half_width
 from move.figures.fig4_scaling import efficiency_text
-from move.figures.tables import difference_verdict, points
+from move.figures.tables import points
+from move.figures.tables.differences import difference_verdict
 from move.files import written_aside
 from move.statistics.verdicts import VERDICTS
 from move.study.profiles import load_profile

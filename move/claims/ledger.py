@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
 import pandas as pd
-from pydantic import Field
+from pydantic import BeforeValidator, Field
 
 from move.claims.claims import Claim, Strict, claims, fingerprint
 from move.claims.evidence import Evidence
@@ -21,19 +22,23 @@ COLUMNS = ["number", "claim", "place", "verdict", "evidence", "needed", "figure"
 MANY = 3  # from so many findings on their answers are counted, and their mean is drawn
 
 
+Finite = Annotated[float | None, BeforeValidator(
+    lambda value: None if value is None or not np.isfinite(value) else round(float(value), 6) + 0.0)]
+
+
 class Number(Strict):
     """One number that a claim is decided by; null where there is none or no end."""
 
     what: str
-    value: float | None = Field(description="what came out here")
-    low: float | None = Field(description="lower end of its 95 % interval")
-    high: float | None = Field(description="upper end of its 95 % interval")
-    above: float | None = Field(description="the claim says that the number lies above this")
-    below: float | None = Field(description="and below this")
-    equal: float | None = Field(description="the value that two things have if they are the same")
-    paper: float | None = Field(description="the paper's value of the same number")
+    value: Finite = Field(description="what came out here")
+    low: Finite = Field(description="lower end of its 95 % interval")
+    high: Finite = Field(description="upper end of its 95 % interval")
+    above: Finite = Field(description="the claim says that the number lies above this")
+    below: Finite = Field(description="and below this")
+    equal: Finite = Field(description="the value that two things have if they are the same")
+    paper: Finite = Field(description="the paper's value of the same number")
     paper_half_width: float = Field(description="half of its own 95 % interval, 0 where nothing is known of it")
-    room: float | None = Field(description="the largest value that was possible")
+    room: Finite = Field(description="the largest value that was possible")
     answer: Literal["yes", "no", "open"] = Field(description="whether it lies where the claim says")
     size: Literal["", "smaller", "larger"] = Field(description="whether the paper's value is excluded, and how ours is")
     trend: bool = Field(description="whether it is a contrast over the other numbers")
@@ -68,13 +73,8 @@ def entries(evidence: Evidence) -> list[Entry]:
     return [_entry(claim, findings(claim, evidence)) for claim in claims()]
 
 
-def decide(evidence: Evidence) -> pd.DataFrame:
-    """The ledger as a table: one row a claim with its verdict, its numbers, its figure, how many runs and which."""
-    return as_table(entries(evidence))
-
-
 def as_table(decided: Sequence[Entry]) -> pd.DataFrame:
-    """Decided claims as a table."""
+    """One row a claim with its verdict, its numbers, its figure, how many runs and which."""
     return pd.DataFrame([{
         "number": one.number, "claim": one.claim, "place": one.place, "verdict": one.verdict,
         "evidence": "; ".join([*_count(one), *(number.what for number in one.numbers), *one.notes]),
@@ -129,21 +129,10 @@ def _entry(claim: Claim, items: Sequence[Item]) -> Entry:
     return Entry(
         number=claim.number, claim=claim.quote, short=claim.short or claim.quote, place=claim.place,
         figure=claim.figure, join=claim.join, verdict=found,
-        numbers=[_number(item) for item in numbers],
+        numbers=[Number.model_validate(replace(item, what=str(item)), from_attributes=True) for item in numbers],
         notes=[str(item) for item in items if not isinstance(item, Finding)],
         needed=[item.needed for item in numbers if item.needed] if found == UNDECIDED else [], changed=claim.changed,
         runs=sorted({run for item in numbers for run in item.runs}))
-
-
-def _number(found: Finding) -> Number:
-    ends = {name: _finite(getattr(found, name))
-            for name in ("value", "low", "high", "above", "below", "equal", "paper", "room")}
-    return Number(what=str(found), paper_half_width=found.paper_half_width, answer=found.answer, size=found.size,
-                  trend=found.trend, **ends)
-
-
-def _finite(value: float) -> float | None:
-    return round(float(value), 6) + 0.0 if np.isfinite(value) else None
 
 
 def _count(entry: Entry) -> list[str]:

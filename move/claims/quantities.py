@@ -1,20 +1,6 @@
-"""What a claim is about, as findings: each function takes the evidence and a quantity of `claims.yaml`.
+"""What a claim is about, as findings: each function takes the evidence, a quantity of `claims.yaml` and an experiment.
 
-    rate, failure        a success rate, or the share that fails
-    difference           the rate where `one` holds minus that where `other` does, for each of several things
-    mean_difference      the mean of such differences over fixed things
-    relative_gain        the mean rate of `one` over that of `other`, minus 1
-    budgets              a difference at every budget of figure 4
-    data_efficiency      static's timesteps over MOVE's for the same success
-    near_minus_far       success near the grasp points minus far from them
-    decay                the factor that the first random things cost, minus the factor of the next
-    ladder               each rung of figure 6 against the one before, and the trend over all
-    speeds               how much success changes over the whole range of a speed
-    coverage             cells of a range that demonstrations visit
-    lengths, generation  timesteps and success of demonstrations (table 6)
-    robot                a difference of the paper's real-robot trials (table 3)
-    printed_ratio        what the paper's own table gives
-    untested             nothing here decides it
+`QUANTITIES`, at the end, has them by the names that the file gives them.
 """
 
 from __future__ import annotations
@@ -26,7 +12,6 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from scipy import stats
 
 from move import paper
 from move.claims.claims import Claim, Quantity, Where
@@ -47,22 +32,9 @@ from move.statistics.estimates import (
     success_rate,
     unpaired_difference,
 )
-from move.statistics.intervals import CONFIDENCE
+from move.statistics.intervals import CONFIDENCE, LEAST_ERROR, mean_interval
 from move.statistics.needed import Trials
 from move.statistics.verdicts import NAN, TWO_SIDED, Contradiction, Finding, Item, Missing, Untested
-
-Find = Callable[[Evidence, Quantity, str], list[Item]]
-QUANTITIES: dict[str, Find] = {}
-
-
-def quantity(name: str) -> Callable[[Find], Find]:
-    """Register a function of the evidence, the quantity and the experiment whose runs count."""
-
-    def register(function: Find) -> Find:
-        QUANTITIES[name] = function
-        return function
-
-    return register
 
 
 def findings(claim: Claim, evidence: Evidence) -> list[Item]:
@@ -107,19 +79,8 @@ def _variance(rates: list[float], episodes: int) -> float:
     return sum(rate * (1 - rate) / episodes for rate in rates) / max(len(rates), 1) ** 2
 
 
-@quantity("rate")
-def rates(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
-    """Success rates."""
-    return _rates(evidence, each, experiment, failing=False)
-
-
-@quantity("failure")
-def failures(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
-    """Shares of episodes that fail."""
-    return _rates(evidence, each, experiment, failing=True)
-
-
-def _rates(evidence: Evidence, each: Quantity, experiment: str, failing: bool) -> list[Item]:
+def rates(evidence: Evidence, each: Quantity, experiment: str, failing: bool) -> list[Item]:
+    """Success rates, or shares of episodes that fail."""
     items: list[Item] = []
     for place, where in enumerate(repetitions(each)):
         what, rows = named(each, where), evidence.rows(experiment, each.where, each.one, where)
@@ -143,7 +104,6 @@ def _sides(
     return evidence.missing(named(each, where), experiment, *lacking) if lacking else (one, other)
 
 
-@quantity("difference")
 def differences(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
     """Differences of rates, paired by configuration unless the option `paired` is false."""
     estimate = difference if each.options.get("paired", True) else unpaired_difference
@@ -161,21 +121,10 @@ def differences(evidence: Evidence, each: Quantity, experiment: str) -> list[Ite
     return items
 
 
-@quantity("mean_difference")
-def mean(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
-    """The mean of differences over fixed things."""
-    return _over_all(evidence, each, experiment, mean_difference)
-
-
-@quantity("relative_gain")
-def gain(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
-    """The mean rate of one side over that of the other, minus 1."""
-    return _over_all(evidence, each, experiment, relative_gain)
-
-
-def _over_all(
+def over_all(
     evidence: Evidence, each: Quantity, experiment: str, estimate: Callable[..., Estimate]
 ) -> list[Item]:
+    """The mean of differences over fixed things, or the mean rate of one side over that of the other, minus 1."""
     sides = [_sides(evidence, each, experiment, where) for where in repetitions(each)]
     there = [one for one in sides if not isinstance(one, Missing)]
     if len(there) < len(sides):
@@ -204,7 +153,6 @@ def _printed_mean(each: Quantity, gain: bool) -> dict[str, Any]:
     return {"paper": first / second - 1, "paper_half_width": TWO_SIDED * first / second * float(np.sqrt(relative))}
 
 
-@quantity("budgets")
 def budgets(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
     """A difference at every budget that both sides are asked at."""
     asked = evidence.asked(experiment)
@@ -216,7 +164,6 @@ def budgets(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
     return differences(evidence, each.model_copy(update={"each": points.to_dict("list")}), experiment)
 
 
-@quantity("data_efficiency")
 def efficiencies(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
     """How many times MOVE's timesteps static needs; with the option `trend` their geometric mean as well."""
     items: list[Item] = []
@@ -244,15 +191,11 @@ def _mean_factor(factors: Sequence[Efficiency], above: float) -> Finding:
                    float(high), above, trend=True)
 
 
-def _over_seeds(what: str, values: Sequence[float], each: Quantity, runs: tuple[str, ...] = (),
-                **more: Any) -> Finding:
+def _over_seeds(what: str, values: Sequence[float], each: Quantity, runs: tuple[str, ...] = ()) -> Finding:
     """A number that each seed gives for itself, three or more: Student's interval of its mean."""
-    mean, error = float(np.mean(values)), max(float(stats.sem(values)), 1e-3)
-    low, high = stats.t.interval(CONFIDENCE, len(values) - 1, mean, error)
-    return Finding(what, mean, float(low), float(high), **region(each), runs=runs, **more)
+    return Finding(what, *mean_interval(values, LEAST_ERROR), **region(each), runs=runs)
 
 
-@quantity("near_minus_far")
 def near_minus_far(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
     """Success where `one` holds minus that where `other` does, at other places of the same trainings."""
     rows = evidence.rows(experiment, each.where)
@@ -263,7 +206,6 @@ def near_minus_far(evidence: Evidence, each: Quantity, experiment: str) -> list[
     return [evidence.with_seeds(_over_seeds(each.what, list(near - far), each, runs_of(rows)), experiment, rows)]
 
 
-@quantity("decay")
 def decay(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
     """The factor from the first of `factors` to the second minus that from the second to the third, seed by seed."""
     rows = evidence.rows(experiment, each.where)
@@ -276,7 +218,6 @@ def decay(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
     return [evidence.with_seeds(_over_seeds(what, list(steps), each, runs_of(rows)), experiment, rows)]
 
 
-@quantity("ladder")
 def ladder(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
     """Each rung against the one before, and for each task the slope over all rungs as the trend."""
     items: list[Item] = []
@@ -304,7 +245,6 @@ def _slope(places: np.ndarray) -> list[float]:
     return list(centred / (centred**2).sum())
 
 
-@quantity("speeds")
 def speeds(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
     """How much success changes from the slowest to the fastest, along a straight line over the logarithm."""
     items: list[Item] = []
@@ -324,7 +264,6 @@ def speeds(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
     return items
 
 
-@quantity("coverage")
 def coverage(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
     """Shares of cells seen, MOVE minus another; where no stored run says, demonstrations are made here, in seconds."""
     timesteps, other = each.options["timesteps"], each.other["method"]
@@ -351,7 +290,6 @@ def _collected(method: str, timesteps: int, seed: int) -> dict[str, float]:
     return shares(configurations(wanted, seed), get_task("pick-place"))
 
 
-@quantity("lengths")
 def lengths(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
     """MOVE's mean length of a demonstration over static's, minus 1: of these tasks, over their demonstrations."""
     made = _made(evidence, each, experiment)
@@ -368,7 +306,6 @@ def lengths(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
                     **region(each), runs=runs_of(*made[0], *made[1]), **printed(each, 0))]
 
 
-@quantity("generation")
 def generation(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
     """Shares of attempts that succeed, means of these tasks, minus the paper's."""
     made = _made(evidence, each, experiment)
@@ -393,7 +330,6 @@ def _made(evidence: Evidence, each: Quantity, experiment: str) -> list[list[pd.D
     return made
 
 
-@quantity("robot")
 def robot(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
     """A difference of two cells of table 3: Newcombe's interval decides, and Barnard's exact p is reported."""
     counts = paper.TABLE3_REAL.astype({"timesteps": int}).set_index(["timesteps", "method"]).successes
@@ -405,7 +341,6 @@ def robot(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
                     design=Trials(one / paper.REAL_TRIALS, other / paper.REAL_TRIALS))]
 
 
-@quantity("printed_ratio")
 def printed_ratio(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
     """A ratio that the paper says and those that its table of scores gives."""
     scores = paper.published("table3_real", "score").set_index(["condition", "method"]).value
@@ -413,7 +348,27 @@ def printed_ratio(evidence: Evidence, each: Quantity, experiment: str) -> list[I
     return [Contradiction(each.paper.value[0], ratios, each.what)]
 
 
-@quantity("untested")
 def untested(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
     """Why nothing here decides it."""
     return [Untested(each.what, bool(each.options.get("testable")))]
+
+
+QUANTITIES: dict[str, Callable[[Evidence, Quantity, str], list[Item]]] = {
+    "rate": partial(rates, failing=False),
+    "failure": partial(rates, failing=True),
+    "difference": differences,
+    "mean_difference": partial(over_all, estimate=mean_difference),
+    "relative_gain": partial(over_all, estimate=relative_gain),
+    "budgets": budgets,
+    "data_efficiency": efficiencies,
+    "near_minus_far": near_minus_far,
+    "decay": decay,
+    "ladder": ladder,
+    "speeds": speeds,
+    "coverage": coverage,
+    "lengths": lengths,
+    "generation": generation,
+    "robot": robot,
+    "printed_ratio": printed_ratio,
+    "untested": untested,
+}

@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 from move.figures import plots
 from move.figures.page.captions import Words
 from move.figures.page.data import Data
+from move.figures.page.printed import readable
 from move.figures.plots.style import COLUMN_WIDTH, PAGE_WIDTH, titles
-from move.figures.tables import readable
 from move.statistics.verdicts import VERDICTS
 
 

@@ -12,9 +12,10 @@ from matplotlib.figure import Figure
 from move.figures.page.captions import DIFFERENCES, INTERVALS, RATES, Words
 from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Seeds
-from move.figures.plots.axes import GREY, points_axis
-from move.figures.plots.style import COLUMN_WIDTH
-from move.figures.tables import VARIANTS, difference_text, rate_table, variant_rows
+from move.figures.plots.axes import errors, lines_axis, points_axis
+from move.figures.plots.style import COLUMN_WIDTH, GREY
+from move.figures.tables import rate_table
+from move.figures.tables.differences import difference_text, variant_table
 from move.study.kinds import policy_run
 from move.study.labels import LabelledRun, grid
 from move.study.profiles import Profile
@@ -53,10 +54,8 @@ def tables(data: Data) -> dict[str, pd.DataFrame]:
     noise = data.noise()
     return {
         "": rate_table(data.episodes, BY, noise),
-        "differences": pd.DataFrame(
-            [row for claim, rows in data.episodes.groupby("claim", sort=False)
-             for row in variant_rows(rows, "variant", _pairs(claim), noise, named={"claim": claim})],
-            columns=["claim", "variant", *VARIANTS]),
+        "differences": variant_table(
+            data.episodes, ["claim"], "variant", lambda rows: _pairs(rows.claim.iloc[0]), noise),
     }
 
 
@@ -79,11 +78,9 @@ def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:
         if pd.isna(row.difference):
             ax.plot(0, place, marker="$?$", ms=5, mew=0.3, color=GREY)
         else:
-            ends = [[row.difference - row.low], [row.high - row.difference]]
-            ax.errorbar(row.difference, place, xerr=ends, fmt="o", ms=3.5, lw=1, capsize=1.5, color="black")
-    ax.set_yticks(range(len(shown)), [f"{row.claim}: {row.variant} \N{MINUS SIGN} {row.baseline}"
-                                      for row in shown.itertuples()])
-    ax.set_ylim(len(shown) - 0.5, -0.5)
+            ax.errorbar(row.difference, place, xerr=errors(row, "difference"), fmt="o", ms=3.5, lw=1, capsize=1.5,
+                        color="black")
+    lines_axis([f"{row.claim}: {row.variant} \N{MINUS SIGN} {row.baseline}" for row in shown.itertuples()], ax)
     points_axis(ax, "difference of success (points)")
     return figure
 

@@ -15,7 +15,8 @@ from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Seeds, TaskName
 from move.figures.plots.panels import methods_and_seeds
 from move.figures.plots.style import COLUMN_WIDTH, NAMES, titles
-from move.figures.tables import demonstrations_made, difference_table, difference_text, rate_table
+from move.figures.tables import demonstrations_made, rate_table
+from move.figures.tables.differences import difference_table, difference_text
 from move.sim.tasks import TASKS
 from move.study.kinds import policy_run
 from move.study.labels import LabelledRun, grid
@@ -46,7 +47,7 @@ def tables(data: Data) -> dict[str, pd.DataFrame]:
     noise = data.noise()
     return {
         "": rate_table(data.episodes, BY, noise),
-        "differences": difference_table(data.episodes, "equal", others=("static",), known=noise),
+        "differences": difference_table(data.episodes, "equal", noise),
         "made": demonstrations_made(data.results, "equal"),
     }
 

@@ -12,7 +12,8 @@ from move.figures.page.captions import DIFFERENCES, INTERVALS, RATES, Words
 from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Counts, Observation, Repeats
 from move.figures.plots.style import PAGE_WIDTH, titles
-from move.figures.tables import demonstrations_made, difference_brief, difference_table, rate_table
+from move.figures.tables import demonstrations_made, rate_table
+from move.figures.tables.differences import difference_brief, difference_table
 from move.sim.grasp_points import SPARSE_SIDE
 from move.study.labels import LabelledRun
 from move.study.profiles import Profile
@@ -40,7 +41,7 @@ def tables(data: Data, *, observation: str) -> dict[str, pd.DataFrame]:
     return {
         "": rate_table(whole, BY, noise),
         "points": rate_table(points, BY, noise),
-        "differences": difference_table(whole, "timesteps", others=("static",), known=noise),
+        "differences": difference_table(whole, "timesteps", noise),
         "made": demonstrations_made(data.results, "timesteps"),
     }
 

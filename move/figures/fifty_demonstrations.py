@@ -16,7 +16,8 @@ from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Counts, Observation, Repeats, TaskName
 from move.figures.plots.axes import errors, log_ticks, success_axis
 from move.figures.plots.style import COLOURS, PAGE_WIDTH, titles
-from move.figures.tables import VARIANTS, rate_table, variant_rows
+from move.figures.tables import rate_table
+from move.figures.tables.differences import variant_table
 from move.paths import ROOT
 from move.sim.placement import Placement
 from move.sim.tasks import TASKS
@@ -92,11 +93,8 @@ def tables(data: Data, *, observation: str) -> dict[str, pd.DataFrame]:
     rates = rate_table(data.episodes, BY, noise)
     return {
         "": rates,
-        "differences": pd.DataFrame(
-            [row for key, rows in data.episodes.groupby(BY[:3], sort=False)
-             for row in variant_rows(rows, "arm", [(arm, COPIED) for arm in ARMS if arm != COPIED], noise,
-                                     named=dict(zip(BY[:3], key, strict=True)))],
-            columns=[*BY[:3], "arm", *VARIANTS]),
+        "differences": variant_table(data.episodes, BY[:3], "arm", lambda _: [
+            (arm, COPIED) for arm in ARMS if arm != COPIED], noise),
         "factors": factors_table(data.episodes, noise),
         "predicted": predicted_table(rates),
     }
@@ -155,9 +153,8 @@ def _curves(rates: pd.DataFrame, ax: Axes) -> None:
         rows = rates[rates.arm == arm].sort_values("demonstrations")
         there, missing = rows[rows.value.notna()], rows[rows.value.isna()]
         shift = 1 + 0.02 * (number - len(ARMS) / 2)
-        ax.errorbar(there.demonstrations * shift, there.value, [there.value - there.low, there.high - there.value],
-                    marker=MARKERS[arm], ms=3, lw=1.0, capsize=1.2, color=COLOURS[ARMS[arm][0]],
-                    ls="-" if ARMS[arm][2] else "--", label=arm)
+        ax.errorbar(there.demonstrations * shift, there.value, errors(there), marker=MARKERS[arm], ms=3, lw=1.0,
+                    capsize=1.2, color=COLOURS[ARMS[arm][0]], ls="-" if ARMS[arm][2] else "--", label=arm)
         ax.plot(missing.demonstrations * shift, [0.02 + 0.05 * number] * len(missing), ls="none", marker="$?$", ms=4,
                 mew=0.3, color=COLOURS[ARMS[arm][0]])
     log_ticks(counts, ax)

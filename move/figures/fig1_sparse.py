@@ -20,19 +20,12 @@ from move.figures import plots
 from move.figures.page.captions import COSTS, DIFFERENCES, INTERVALS, RATES, Words
 from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Multiple, Observation, Repeats, Seeds
+from move.figures.page.printed import readable
 from move.figures.plots import maps
 from move.figures.plots.panels import empty_panel, key_under, legend_below, seed_dot
 from move.figures.plots.style import PAGE_WIDTH, titles
-from move.figures.tables import (
-    difference_table,
-    rate_table,
-    rates_text,
-    readable,
-    run_costs,
-    verdicts_text,
-    with_paper,
-    with_verdicts,
-)
+from move.figures.tables import rate_table, rates_text, run_costs, with_paper
+from move.figures.tables.differences import difference_table, verdicts_text, with_verdicts
 from move.learn.evaluation import Evaluation
 from move.study.kinds import policy_run
 from move.study.labels import LabelledRun, grid
@@ -107,7 +100,7 @@ def tables(data: Data, *, observation: str) -> dict[str, pd.DataFrame]:
     tried = data.episodes[data.episodes.hand == "anywhere"]
     whole, points, own = (tried[tried.group == group] for group in ("grid", "point", "own"))
     everywhere = data.episodes[data.episodes.group == "grid"]
-    compared = difference_table(everywhere, "hand", others=("static",), known=noise)
+    compared = difference_table(everywhere, "hand", noise)
     return {
         "": with_paper(rate_table(whole, ["method"], noise), "fig1_sparse", on=["method"]),
         "points": rate_table(points, ["method"], noise),

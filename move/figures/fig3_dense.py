@@ -14,20 +14,12 @@ from move.figures.fig1_sparse import COMPARED, MAPS, STARTS, by_hand, grasp_runs
 from move.figures.page.captions import COSTS, DIFFERENCES, INTERVALS, RATES, Words
 from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Counts, Observation, Repeats, Seeds
+from move.figures.page.printed import readable
 from move.figures.plots import maps
 from move.figures.plots.panels import key_under, legend_below
 from move.figures.plots.style import PAGE_WIDTH, titles
-from move.figures.tables import (
-    difference_table,
-    grasp_points,
-    rate_table,
-    rates_text,
-    readable,
-    run_costs,
-    verdicts_text,
-    with_paper,
-    with_verdicts,
-)
+from move.figures.tables import grasp_points, rate_table, rates_text, run_costs, with_paper
+from move.figures.tables.differences import difference_table, verdicts_text, with_verdicts
 from move.study.labels import LabelledRun
 from move.study.profiles import Profile
 
@@ -55,15 +47,15 @@ def tables(data: Data, *, observation: str, timesteps: tuple[int, ...]) -> dict[
     budgets, near = (data.episodes[data.episodes.hand == hand] for hand in ("anywhere", "within 3 cm"))
     everywhere = data.episodes[data.episodes.timesteps == timesteps[0]]
     first = budgets[budgets.timesteps == timesteps[0]]
-    compared = difference_table(everywhere, "hand", others=("static",), known=noise)
+    compared = difference_table(everywhere, "hand", noise)
     return {
         "": with_paper(rate_table(first, ["method"], noise), "fig3_dense", on=["method"]),
         "hand": with_paper(rate_table(everywhere, ["hand", "method"], noise), "fig3_dense", on=["method"]),
         "difference": with_paper(compared, "fig3_dense", ["baseline"], "difference"),
         "budgets": rate_table(budgets, ["timesteps", "method"], noise),
-        "budgets_difference": difference_table(budgets, "timesteps", others=("static",), known=noise),
+        "budgets_difference": difference_table(budgets, "timesteps", noise),
         "near_budgets": rate_table(near, ["timesteps", "method"], noise),
-        "near_budgets_difference": difference_table(near, "timesteps", others=("static",), known=noise),
+        "near_budgets_difference": difference_table(near, "timesteps", noise),
         "costs": run_costs(data.results),
     }
 

@@ -15,19 +15,11 @@ from move.figures import plots
 from move.figures.page.captions import INTERVALS, POOLED, RATES, Words
 from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Seeds
+from move.figures.page.printed import readable
 from move.figures.plots.panels import empty_panel
 from move.figures.plots.style import COLUMN_WIDTH, PAGE_WIDTH, titles
-from move.figures.tables import (
-    COLUMNS,
-    LEVEL,
-    as_columns,
-    controls,
-    printed_success,
-    rate_table,
-    readable,
-    with_holm,
-    with_level,
-)
+from move.figures.tables import controls, printed_success, rate_table, with_level
+from move.figures.tables.differences import COLUMNS, LEVEL, as_columns, clear_counts, with_holm
 from move.paper import PAPER_METHODS, PAPER_TASKS, published
 from move.sim.tasks import TASKS, get_task
 from move.statistics.cells import by_budget, successes, training_noise
@@ -39,6 +31,7 @@ from move.study.labels import LabelledRun, distinct, grid
 from move.study.profiles import Profile
 
 BY = ["task", "timesteps", "method"]
+EQUALLY_GOOD = published("fig4_scaling", "timesteps", condition="equally good")
 EFFICIENCY = ["task", "timesteps", "ratio", "low", "high", "least", "most", "p", "holm"]
 EQUAL = ["task", "move_timesteps", "static_timesteps", *COLUMNS]
 
@@ -65,14 +58,9 @@ def runs(
         runs += grid(base, seed=range(seeds), task=[task], timesteps=short_timesteps if short else timesteps,
                      method=("static", "move"))
         runs += grid(base, seed=range(table_seeds), task=budgets([task], most_timesteps), method=PAPER_METHODS)
-        runs += _said_to_be_equal(base, task) if pairs and seeds else []
+        for row in EQUALLY_GOOD[EQUALLY_GOOD.task == task].itertuples() if pairs and seeds else ():
+            runs += grid(base, seed=[0], task=[task], timesteps=[int(row.value)], method=[row.method])
     return distinct(runs + floors_and_ceilings(tasks, episodes) * bool(runs))
-
-
-def _said_to_be_equal(base: partial, task: str) -> list[LabelledRun]:
-    said = published("fig4_scaling", "timesteps", condition="equally good")
-    return [run for row in said[said.task == task].itertuples()
-            for run in grid(base, seed=[0], task=[task], timesteps=[int(row.value)], method=[row.method])]
 
 
 def tables(data: Data, *, most_timesteps: int) -> dict[str, pd.DataFrame]:
@@ -110,9 +98,8 @@ def equal_budgets(episodes: pd.DataFrame, known: TrainingNoise = UNKNOWN) -> pd.
     Holm's adjustment is over the rows that are computed.
     """
     noise = training_noise(episodes, ["task", "method", "timesteps"], known)
-    said = published("fig4_scaling", "timesteps", condition="equally good")
     computed, missing = [], []
-    for task, group in said[said.task.isin(episodes.task)].groupby("task", sort=False):
+    for task, group in EQUALLY_GOOD[EQUALLY_GOOD.task.isin(episodes.task)].groupby("task", sort=False):
         budgets = group.set_index("method").value.astype(int)
         cells = [successes(rows) for method in ("move", "static") if len(rows := episodes[
             (episodes.task == task) & (episodes.method == method) & (episodes.timesteps == budgets[method])])]
@@ -129,14 +116,18 @@ def printed(tables: dict[str, pd.DataFrame], data: Data) -> dict[str, pd.DataFra
     table = tables["efficiency"]
     text = readable(table)
     if len(table):
-        text["Factor"] = [str(_efficiency(row)) for row in table.itertuples()]
+        text["Factor"] = [str(Efficiency(row.ratio, row.low, row.high, row.least, row.most))
+                          for row in table.itertuples()]
     return {"efficiency": text}
 
 
 def draw(tables: dict[str, pd.DataFrame], data: Data, *, tasks: tuple[str, ...]) -> dict[str, Figure]:
     """One panel a task: success against timesteps with the paper's values; and one line a task: data efficiency."""
     rates, printed = data.with_missing(tables[""], BY), printed_success(list(tasks))
-    return {"fig4_scaling": _curves(rates, printed), "fig4_efficiency": _efficiencies(tables["efficiency"], tasks)}
+    factors = tables["efficiency"].set_index("task").reindex(list(tasks)).rename_axis("task").reset_index()
+    efficiency, ax = plt.subplots(figsize=(COLUMN_WIDTH, 2.3))
+    plots.efficiencies(factors, ax)
+    return {"fig4_scaling": _curves(rates, printed), "fig4_efficiency": efficiency}
 
 
 def _curves(rates: pd.DataFrame, printed: pd.DataFrame) -> Figure:
@@ -156,12 +147,6 @@ def _curves(rates: pd.DataFrame, printed: pd.DataFrame) -> Figure:
     titles(list(axes.flat), [TASKS[task].title for task in PAPER_TASKS])
     known = plots.entries(list(rates.method.unique()), "paper, in the method's colour", bool(rates.value.isna().any()))
     figure.legend(handles=[*known, *plots.pooled_entry(rates)], ncol=6, loc="outside upper center")
-    return figure
-
-
-def _efficiencies(factors: pd.DataFrame, tasks: tuple[str, ...]) -> Figure:
-    figure, ax = plt.subplots(figsize=(COLUMN_WIDTH, 2.3))
-    plots.efficiencies(factors.set_index("task").reindex(list(tasks)).rename_axis("task").reset_index(), ax)
     return figure
 
 
@@ -192,12 +177,8 @@ def _median(table: pd.DataFrame) -> str:
 def equal_text(table: pd.DataFrame) -> str:
     """A table of `equal_budgets` in words: how many of the computed pairs differ."""
     there = table.dropna(subset="difference")
-    clear = there[there.holm < LEVEL].difference
-    return f"Budgets called equal: {(clear > 0).sum()} of {len(there)} are above 0, {(clear < 0).sum()} below"
-
-
-def _efficiency(row) -> Efficiency:
-    return Efficiency(row.ratio, row.low, row.high, row.least, row.most)
+    counts = clear_counts(there)
+    return f"Budgets called equal: {counts['above']} of {len(there)} are above 0, {counts['below']} below"
 
 
 WORDS = Words(

@@ -13,19 +13,12 @@ from move.figures.fig1_sparse import MAPS, STARTS, by_hand, grasp_runs, success_
 from move.figures.page.captions import COSTS, DIFFERENCES, INTERVALS, RATES, Words
 from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Observation, Repeats, Seeds
+from move.figures.page.printed import readable
 from move.figures.plots import maps
 from move.figures.plots.panels import empty_panel, key_under
 from move.figures.plots.style import NAMES, PAGE_WIDTH, titles
-from move.figures.tables import (
-    differences_at,
-    rate_table,
-    rates_text,
-    readable,
-    run_costs,
-    verdicts_text,
-    with_paper,
-    with_verdicts,
-)
+from move.figures.tables import rate_table, rates_text, run_costs, with_paper
+from move.figures.tables.differences import differences_at, verdicts_text, with_verdicts
 from move.sim.grasp_points import CIRCLE
 from move.statistics.cells import inside_and_outside
 from move.study.labels import LabelledRun
@@ -54,7 +47,7 @@ def tables(data: Data, *, observation: str) -> dict[str, pd.DataFrame]:
         "": with_paper(rate_table(grid, ["where", "method"], noise), "fig5_circle", on=on),
         "points": rate_table(episodes[episodes.group == "point"], ["method"], noise),
         "hand": with_paper(rate_table(everywhere, ["where", "hand", "method"], noise), "fig5_circle", on=on),
-        "differences": differences_at(everywhere, "hand", "where", ("static",), noise),
+        "differences": differences_at(everywhere, "hand", "where", noise),
         "costs": run_costs(data.results),
     }
 

@@ -15,7 +15,8 @@ from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Seeds
 from move.figures.plots.panels import methods_and_seeds
 from move.figures.plots.style import PAGE_WIDTH, titles
-from move.figures.tables import VARIANTS, counts_text, difference_brief, largest, rate_table, variant_rows
+from move.figures.tables import rate_table
+from move.figures.tables.differences import counts_text, difference_brief, largest, variant_table
 from move.sim.motion.wrappers import movable
 from move.sim.tasks import TASKS, get_task
 from move.statistics.estimates import UNKNOWN, TrainingNoise
@@ -63,13 +64,12 @@ def tables(data: Data) -> dict[str, pd.DataFrame]:
 
 def step_table(episodes: pd.DataFrame, noise: TrainingNoise = UNKNOWN) -> pd.DataFrame:
     """Each rung against the one before, and each motion alone against nothing, task by task."""
-    rows = []
-    for task, group in episodes.groupby("task", sort=False):
+    def pairs(group: pd.DataFrame) -> list[tuple[str, str]]:
         rungs = [name for name in group.moves.unique() if "alone" not in name]
-        pairs = [*zip(rungs[1:], rungs, strict=False),
-                 *((name, "nothing") for name in group.moves.unique() if "alone" in name)]
-        rows += variant_rows(group, "moves", pairs, noise, {"task": task})
-    return pd.DataFrame(rows, columns=["task", "moves", *VARIANTS])
+        return [*zip(rungs[1:], rungs, strict=False),
+                *((name, "nothing") for name in group.moves.unique() if "alone" in name)]
+
+    return variant_table(episodes, ["task"], "moves", pairs, noise)
 
 
 def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:

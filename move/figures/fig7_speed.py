@@ -17,11 +17,11 @@ from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Seeds
 from move.figures.plots.panels import seed_dot
 from move.figures.plots.style import PAGE_WIDTH, titles
-from move.figures.tables import VARIANTS, counts_text, difference_brief, largest, rate_table, variant_rows
+from move.figures.tables import rate_table
+from move.figures.tables.differences import counts_text, difference_brief, largest, variant_table
 from move.sim.collection import FASTEST, FASTEST_TURN
 from move.sim.motion.wrappers import movable
 from move.sim.tasks import TASKS, get_task
-from move.statistics.estimates import UNKNOWN, TrainingNoise
 from move.study.axes import budgets
 from move.study.kinds import policy_run
 from move.study.labels import LabelledRun, grid
@@ -65,16 +65,13 @@ def runs(
 def tables(data: Data) -> dict[str, pd.DataFrame]:
     """Rates at every speed, and each speed against the usual one."""
     noise = data.noise()
-    return {"": rate_table(data.episodes, BY, noise), "ends": speed_table(data.episodes, noise)}
+    return {"": rate_table(data.episodes, BY, noise),
+            "ends": variant_table(data.episodes, ["task", "part"], "speed", _against_usual, noise)}
 
 
-def speed_table(episodes: pd.DataFrame, noise: TrainingNoise = UNKNOWN) -> pd.DataFrame:
-    """Each speed against the one used everywhere else, task by task and part by part."""
-    rows = []
-    for (task, part), group in episodes.groupby(["task", "part"], sort=False):
-        pairs = [(speed, USUAL[part]) for speed in sorted(group.speed.unique()) if speed != USUAL.get(part, speed)]
-        rows += variant_rows(group, "speed", pairs, noise, {"task": task, "part": part})
-    return pd.DataFrame(rows, columns=["task", "part", "speed", *VARIANTS])
+def _against_usual(group: pd.DataFrame) -> list[tuple[float, float]]:
+    usual = USUAL.get(group.part.iloc[0])
+    return [(speed, usual) for speed in sorted(group.speed.unique()) if usual and speed != usual]
 
 
 def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:

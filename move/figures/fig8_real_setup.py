@@ -13,9 +13,9 @@ from pydantic import Field
 from move import paths
 from move.figures.page.captions import Words
 from move.figures.page.data import Data
+from move.figures.page.printed import as_markdown
 from move.figures.plots import real_figures
-from move.figures.plots.style import COLOURS, NAMES
-from move.figures.tables import as_markdown
+from move.figures.plots.style import NAMES, in_order
 
 if TYPE_CHECKING:
     from move.realworld import RobotDataSet
@@ -61,8 +61,8 @@ def seen(
     camera = next((name for episode in demos.episodes for name in episode.cameras), "")
     steps = workspace.path_table(demos.episodes)
     grasps = grasp_table(demos.episodes)
-    places = {method: grasps.loc[grasps.method == method, ["x_m", "y_m"]].to_numpy() for method in COLOURS
-              if method in set(grasps.method)}
+    places = {method: grasps.loc[grasps.method == method, ["x_m", "y_m"]].to_numpy()
+              for method in in_order(grasps.method)}
     return Seen(demos, workspace.coverage_by_method(workspace.equal_budget(steps)), steps, places,
                 tracking.object_places(demos.episodes, camera))
 

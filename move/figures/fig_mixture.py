@@ -15,9 +15,9 @@ from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Seeds, Share, TaskName
 from move.figures.plots.panels import methods_and_seeds
 from move.figures.plots.style import COLUMN_WIDTH, titles
-from move.figures.tables import VARIANTS, difference_brief, rate_table, variant_rows
+from move.figures.tables import rate_table
+from move.figures.tables.differences import difference_brief, variant_table
 from move.sim.tasks import TASKS
-from move.statistics.estimates import UNKNOWN, TrainingNoise
 from move.study.kinds import policy_run
 from move.study.labels import LabelledRun, grid
 from move.study.profiles import Profile
@@ -44,13 +44,8 @@ def tables(data: Data) -> dict[str, pd.DataFrame]:
     """Rates at every share, and each share against none."""
     noise = data.noise()
     rates = rate_table(data.episodes, BY, noise).sort_values("share")
-    return {"": rates, "gains": share_table(data.episodes, noise)}
-
-
-def share_table(episodes: pd.DataFrame, noise: TrainingNoise = UNKNOWN) -> pd.DataFrame:
-    """Each share of MOVE against none."""
-    pairs = [(share, 0.0) for share in sorted(episodes.share.unique()) if share]
-    return pd.DataFrame(variant_rows(episodes, "share", pairs, noise), columns=["share", *VARIANTS])
+    return {"": rates, "gains": variant_table(data.episodes, [], "share", lambda rows: [
+        (share, 0.0) for share in sorted(rows.share.unique()) if share], noise)}
 
 
 def draw(tables: dict[str, pd.DataFrame], data: Data, *, task: str) -> Figure:

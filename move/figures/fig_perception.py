@@ -13,7 +13,8 @@ from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Observation
 from move.figures.plots.panels import SEEN, methods_and_seeds
 from move.figures.plots.style import PAGE_WIDTH, titles
-from move.figures.tables import counts_text, difference_table, joined, rate_table
+from move.figures.tables import rate_table
+from move.figures.tables.differences import counts_text, difference_table, joined
 from move.study.labels import LabelledRun
 from move.study.profiles import Profile
 
@@ -49,7 +50,7 @@ def tables(data: Data) -> dict[str, pd.DataFrame]:
     on_grid = tried.experiment.str.startswith("figure")  # where trainings differ more than in table 1
     parts = [(seen, rows, data.noise(seen, grid))
              for (seen, grid), rows in tried.groupby([tried.observation, on_grid], sort=False)]
-    compared = {seen: joined([difference_table(rows, "experiment", ("static",), noise)
+    compared = {seen: joined([difference_table(rows, "experiment", noise)
                               for other, rows, noise in parts if other == seen])
                 for seen in tried.observation.unique()}
     return {"": pd.concat([rate_table(rows, BY, noise) for _, rows, noise in parts]),

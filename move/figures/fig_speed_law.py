@@ -15,7 +15,8 @@ from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Seeds, TaskName
 from move.figures.plots.panels import methods_and_seeds
 from move.figures.plots.style import COLUMN_WIDTH, titles
-from move.figures.tables import VARIANTS, difference_text, rate_table, variant_rows
+from move.figures.tables import rate_table
+from move.figures.tables.differences import difference_text, variant_table
 from move.sim.tasks import TASKS
 from move.statistics.estimates import UNKNOWN, TrainingNoise
 from move.study.kinds import policy_run
@@ -47,8 +48,8 @@ def tables(data: Data) -> dict[str, pd.DataFrame]:
 
 def law_table(episodes: pd.DataFrame, noise: TrainingNoise = UNKNOWN) -> pd.DataFrame:
     """Each other law of the speeds against the paper's, Beta(2, 5)."""
-    pairs = [(law, "beta") for law in episodes.law.unique() if law not in ("beta", "static")]
-    return pd.DataFrame(variant_rows(episodes, "law", pairs, noise), columns=["law", *VARIANTS])
+    return variant_table(episodes, [], "law", lambda rows: [
+        (law, "beta") for law in rows.law.unique() if law not in ("beta", "static")], noise)
 
 
 def draw(tables: dict[str, pd.DataFrame], data: Data, *, task: str) -> Figure:

@@ -14,7 +14,8 @@ from move.figures.page.captions import DIFFERENCES, INTERVALS, RATES, Words
 from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Multiple, Repeats
 from move.figures.plots.style import PAGE_WIDTH, titles
-from move.figures.tables import COLUMNS, as_columns, difference_brief, differences_at, rate_table, with_holm
+from move.figures.tables import rate_table
+from move.figures.tables.differences import COLUMNS, as_columns, difference_brief, differences_at, largest, with_holm
 from move.sim.tasks import TASKS
 from move.statistics.cells import successes, training_noise
 from move.statistics.estimates import UNKNOWN, TrainingNoise, contrast, mean_contrast
@@ -46,7 +47,7 @@ def tables(data: Data) -> dict[str, pd.DataFrame]:
     noise, trained = data.noise(), data.episodes
     return {
         "": rate_table(trained, BY, noise),
-        "differences": differences_at(trained, "length", "task", ("static",), noise),
+        "differences": differences_at(trained, "length", "task", noise),
         "depends": length_matters(trained, noise),
         "beyond": length_matters(trained[trained.length >= 1], noise),
     }
@@ -103,11 +104,9 @@ def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
 
 def most_changed(table: pd.DataFrame) -> str:
     """Of a table as `length_matters` gives it the task that changes most, in words; none where there is one task."""
-    tasks = table[table.task.isin(TASKS)].reset_index(drop=True)
-    if len(tasks) < 2:
-        return ""
-    row = tasks.loc[tasks.difference.abs().idxmax()]
-    return f", most on {TASKS[row.task].title} by {difference_brief(row)}"
+    tasks = table[table.task.isin(TASKS)]
+    row = largest(tasks)
+    return "" if row is None or len(tasks) < 2 else f", most on {TASKS[row.task].title} by {difference_brief(row)}"
 
 
 WORDS = Words(

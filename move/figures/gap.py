@@ -19,16 +19,18 @@ from move.figures.fig1_sparse import ANYWHERE, COMPARED, TRACED_BACK
 from move.figures.page.captions import DIFFERENCES, RATES, Words
 from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Multiple, Repeats, Seeds
+from move.figures.page.printed import readable
 from move.figures.plots import style
-from move.figures.plots.axes import GREY
+from move.figures.plots.axes import errors, lines_axis, per_cent
 from move.figures.plots.panels import empty_panel
-from move.figures.plots.style import COLOURS, PAGE_WIDTH, titles
-from move.figures.tables import difference_table, readable
+from move.figures.plots.style import COLOURS, GREY, PAGE_WIDTH, titles
+from move.figures.tables import points
+from move.figures.tables.differences import difference_table
 from move.learn.evaluation import Evaluation
 from move.sim.tasks import TASKS
 from move.sim.tasks.listed import COUNT
 from move.statistics.cells import successes, training_noise
-from move.statistics.estimates import UNKNOWN, Estimate, TrainingNoise, difference, success_rate, unpaired_difference
+from move.statistics.estimates import Estimate, TrainingNoise, difference, success_rate, unpaired_difference
 from move.study.kinds import policy_run
 from move.study.labels import LabelledRun, grid
 from move.study.profiles import Profile
@@ -142,7 +144,7 @@ def tables(data: Data) -> dict[str, pd.DataFrame]:
     return {"": rates, "steps": waterfall(rates), "leads": lead_table(tried, theirs)}
 
 
-def gap_table(episodes: pd.DataFrame, known: TrainingNoise = UNKNOWN) -> pd.DataFrame:
+def gap_table(episodes: pd.DataFrame) -> pd.DataFrame:
     """One row a case, method and setting: success under it, and what switching it alone does to success.
 
     `effect` is the rate under the setting minus that under the package's protocol, paired at the configurations that
@@ -151,7 +153,7 @@ def gap_table(episodes: pd.DataFrame, known: TrainingNoise = UNKNOWN) -> pd.Data
     Args:
         episodes: as `move.study.results.table` gives them, with the labels `case` and `setting`; no training points.
     """
-    noise, rows = training_noise(episodes, ["case", "setting", "method"], known), []
+    noise, rows = training_noise(episodes, ["case", "setting", "method"]), []
     for (case, method), group in episodes.groupby(["case", "method"], sort=False):
         cells = {name: successes(part) for name, part in group.groupby("setting", sort=False)}
         for name in sorted(cells, key=_order):
@@ -221,14 +223,14 @@ def waterfall(table: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=["case", "method", "step", "start", "change", "low", "high"])
 
 
-def lead_table(episodes: pd.DataFrame, theirs: pd.DataFrame, known: TrainingNoise = UNKNOWN) -> pd.DataFrame:
+def lead_table(episodes: pd.DataFrame, theirs: pd.DataFrame) -> pd.DataFrame:
     """MOVE minus static under each setting, paired: the columns of `difference_table`, with case, and paper's in paper.
 
     Args:
         theirs: as `published_rates` gives them.
     """
     published = theirs.pivot(index="case", columns="method", values="paper")
-    parts = [difference_table(group, "setting", ("static",), known).assign(
+    parts = [difference_table(group, "setting").assign(
         case=case, paper=published.move[case] - published.static[case])
         for case, group in episodes.groupby("case", sort=False)]
     return pd.concat(parts, ignore_index=True)
@@ -267,12 +269,11 @@ def _waterfall(steps: pd.DataFrame, rates: pd.DataFrame, lines: Sequence[str], a
             strength = 0.5 if name == INTERACTION else 0.9
             ax.barh(place, row.change, left=row.start, color=GREY, alpha=strength, height=0.7)
             if not np.isnan(row.low):
-                ax.errorbar(row.start + row.change, place, xerr=[[row.change - row.low], [row.high - row.change]],
-                            color="black", capsize=2, lw=0.9)
-    ax.set_yticks(range(len(lines)), lines)
-    ax.set_ylim(len(lines) - 0.5, -0.5)
+                ax.errorbar(row.start + row.change, place, xerr=errors(row, "change"), color="black", capsize=2,
+                            lw=0.9)
+    lines_axis(lines, ax)
     ax.set_xlabel("success (%)")
-    ax.xaxis.set_major_formatter(lambda value, _: f"{100 * value:.0f}")
+    ax.xaxis.set_major_formatter(per_cent)
 
 
 def _leads(leads: pd.DataFrame, lines: Sequence[str], ax: Axes) -> None:
@@ -281,8 +282,8 @@ def _leads(leads: pd.DataFrame, lines: Sequence[str], ax: Axes) -> None:
     for place, name in enumerate(lines):
         if name in leads.index:
             row = leads.loc[name]
-            ax.errorbar(row.difference, place, xerr=[[row.difference - row.low], [row.high - row.difference]],
-                        fmt=marker, color=colour, ms=4, capsize=2, lw=0.9)
+            ax.errorbar(row.difference, place, xerr=errors(row, "difference"), fmt=marker, color=colour, ms=4,
+                        capsize=2, lw=0.9)
     if len(leads):
         ax.plot(leads.paper.iloc[0], len(lines) - 1, "D", color="black", mfc="white", ms=4.5)
     plots.points_axis(ax, "points")
@@ -297,7 +298,7 @@ def printed(tables: dict[str, pd.DataFrame], data: Data) -> dict[str, pd.DataFra
         if len(known):
             row = known.loc[known.change.idxmin()]
             rows.append({"case": case, "Largest single step of static": row.step,
-                         "Change (points)": f"{_points(row.change)} [{_points(row.low)}, {_points(row.high)}]"})
+                         "Change (points)": f"{points(row.change)} [{points(row.low)}, {points(row.high)}]"})
     return {"largest": readable(pd.DataFrame(rows))}
 
 
@@ -312,10 +313,6 @@ def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
         left = f", with all settings {level[TOGETHER]:.0%}" if TOGETHER in level else ""
         said.append(f"{case}: static {level[PACKAGE]:.0%} here{left}, {theirs:.0%} in the paper")
     return f"**Here:** {'; '.join(said)}. **How sure:** {data.sample_size}"
-
-
-def _points(change: float) -> str:
-    return f"{round(100 * change):+d}"
 
 
 WORDS = Words(

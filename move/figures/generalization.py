@@ -13,8 +13,10 @@ from move.figures import plots
 from move.figures.page.captions import DIFFERENCES, INTERVALS, POOLED, RATES, Words
 from move.figures.page.data import Data
 from move.figures.page.parameters import Count, MethodName, Seeds
+from move.figures.page.printed import readable
 from move.figures.plots.style import NAMES, PAGE_WIDTH, titles
-from move.figures.tables import above_text, difference_table, rate_table, readable
+from move.figures.tables import rate_table
+from move.figures.tables.differences import above_text, difference_table
 from move.learn.evaluation import Evaluation
 from move.paper import PAPER_METHODS
 from move.sim.tasks import TASKS
@@ -56,7 +58,7 @@ def tables(data: Data) -> dict[str, pd.DataFrame]:
     noise = data.noise()
     rates = rate_table(data.episodes, ["task", "method", "group"], noise)
     moving = data.episodes[data.episodes.group == "moving"]
-    return {"": own_and_elsewhere(rates), "rates": rates, "differences": difference_table(moving, "task", known=noise)}
+    return {"": own_and_elsewhere(rates), "rates": rates, "differences": difference_table(moving, "task", noise)}
 
 
 def own_and_elsewhere(rates: pd.DataFrame) -> pd.DataFrame:

@@ -13,7 +13,8 @@ from move.figures.page.captions import DIFFERENCES, INTERVALS, RATES, Words
 from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Repeats
 from move.figures.plots.style import COLUMN_WIDTH, NAMES, titles
-from move.figures.tables import difference_means, difference_table, means_text, printed_success, rate_table, summary
+from move.figures.tables import printed_success, rate_table, rates_text
+from move.figures.tables.differences import difference_means, difference_table, means_text, summary
 from move.paper import PAPER_METHODS
 from move.sim.observe import IMAGE_SIZE
 from move.sim.tasks import TASKS
@@ -41,8 +42,8 @@ def tables(data: Data) -> dict[str, pd.DataFrame]:
     noise, policies = data.noise("keypoints"), data.episodes[data.episodes.kind == "policy"]
     return {
         "": rate_table(policies, ["method", "timesteps"], noise),
-        "differences": difference_table(policies, "timesteps", known=noise),
-        "differences_mean": difference_means(policies, "timesteps", known=noise),
+        "differences": difference_table(policies, "timesteps", noise),
+        "differences_mean": difference_means(policies, "timesteps", noise),
     }
 
 
@@ -80,11 +81,10 @@ def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:
 
 def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
     """The paper's rates from images, MOVE minus the others on the mean of the budgets, and the untrained baselines."""
-    theirs = ", ".join(f"{NAMES[row.method]} {row.value:.1%}" for row in _printed(data).itertuples())
     floor = ", ".join(f"{NAMES[name]} {rate:.0%}" for name, rate in _controls(data).items())
     return (
-        f"**The paper**, from images at its own budget: {theirs}. **Here, from keypoints**, mean of "
-        f"{tables[''].timesteps.nunique()} budgets: {means_text(tables['differences_mean'])}. Untrained: "
+        f"**The paper**, from images at its own budget: {rates_text(_printed(data))}. **Here, from keypoints**, "
+        f"mean of {tables[''].timesteps.nunique()} budgets: {means_text(tables['differences_mean'])}. Untrained: "
         f"{floor or 'not computed yet'}. **How sure:** {data.sample_size}")
 
 

@@ -15,16 +15,8 @@ from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Observation, Repeats
 from move.figures.plots.panels import seed_dot
 from move.figures.plots.style import PAGE_WIDTH, titles
-from move.figures.tables import (
-    VARIANTS,
-    as_columns,
-    difference_brief,
-    difference_table,
-    rate_table,
-    run_costs,
-    with_holm,
-    with_paper,
-)
+from move.figures.tables import rate_table, run_costs, with_paper
+from move.figures.tables.differences import COLUMNS, as_columns, difference_brief, difference_table, with_holm
 from move.statistics.cells import successes, training_noise
 from move.statistics.estimates import UNKNOWN, TrainingNoise, unpaired_difference
 from move.study.kinds import policy_run
@@ -51,7 +43,7 @@ def tables(data: Data, *, observation: str) -> dict[str, pd.DataFrame]:
     rates = rate_table(data.episodes, ["factors", "method"], noise)
     return {
         "": with_paper(rates, "table1_spatial_factors", on=["factors", "method"]),
-        "differences": difference_table(data.episodes, "factors", others=("static",), known=noise),
+        "differences": difference_table(data.episodes, "factors", noise),
         "lost": factor_table(data.episodes, noise),
         "costs": run_costs(data.results),
     }
@@ -65,7 +57,7 @@ def factor_table(episodes: pd.DataFrame, known: TrainingNoise = UNKNOWN) -> pd.D
     rows = [{"method": "static", "factors": more, "baseline": "object",
              **as_columns(unpaired_difference(cells[more], cells["object"], noise))}
             for more in cells if "object" in cells and more != "object"]
-    return pd.DataFrame(with_holm(rows), columns=["method", "factors", *VARIANTS])
+    return pd.DataFrame(with_holm(rows), columns=["method", "factors", "baseline", *COLUMNS])
 
 
 def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:

@@ -12,22 +12,16 @@ from move.figures import plots
 from move.figures.page.captions import COSTS, DIFFERENCES, INTERVALS, RATES, Words
 from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Seeds
-from move.figures.page.printed import ABSENT
-from move.figures.plots.style import NAMES, PAGE_WIDTH, titles
-from move.figures.tables import (
-    controls,
+from move.figures.page.printed import ABSENT, readable
+from move.figures.plots.style import PAGE_WIDTH, titles
+from move.figures.tables import controls, rate_table, rates_text, run_costs, task_layout, with_level, with_paper
+from move.figures.tables.differences import (
     difference_means,
     difference_table,
+    interval_text,
     means_text,
-    points,
-    rate_table,
-    readable,
-    run_costs,
     summary,
-    task_layout,
     tasks_table,
-    with_level,
-    with_paper,
 )
 from move.paper import PAPER_METHODS, PAPER_TASKS
 from move.sim.tasks import TASKS
@@ -37,6 +31,11 @@ from move.study.labels import LabelledRun, grid
 from move.study.profiles import Profile
 
 REPEATED = True
+SUFFIXES = {
+    "rgb": ("", "differences", "differences_mean", "over_tasks"),
+    "keypoints": ("keypoints", "differences_keypoints", "differences_keypoints_mean", "over_tasks_keypoints"),
+}
+"""The tables of each observation: rates, differences, their mean, and the tasks as a sample."""
 
 
 def runs(
@@ -57,29 +56,19 @@ def runs(
 def tables(data: Data) -> dict[str, pd.DataFrame]:
     """For each observation rates, differences, their mean, and the tasks as a sample; costs from pixels."""
     found: dict[str, pd.DataFrame] = {}
-    for observation, ending in (("rgb", ""), ("keypoints", "keypoints")):
+    for observation, suffixes in SUFFIXES.items():
         episodes, noise = data.episodes[data.episodes.observation == observation], data.noise(observation)
         rates = rate_table(episodes, ["task", "method"], noise)
-        compared = difference_table(episodes, "task", known=noise)
-        means = difference_means(episodes, "task", known=noise)
+        compared = difference_table(episodes, "task", noise)
+        means = difference_means(episodes, "task", noise)
         if observation == "rgb":
             rates = with_paper(rates, "table2_main", on=["task", "method"])
             compared = with_paper(compared, "table2_main", on=["task", "baseline"], metric="difference")
             means = means.join(compared.groupby("baseline").paper.mean(), on="baseline")  # the paper's, of these tasks
-        parts = {"": with_level(rates, controls(data.episodes)), "differences": compared, "differences_mean": means,
-                 "over_tasks": tasks_table(episodes)}
-        found |= {_joined(*_where(name, ending)): table for name, table in parts.items()}
+        parts = with_level(rates, controls(data.episodes)), compared, means, tasks_table(episodes)
+        found |= dict(zip(suffixes, parts, strict=True))
     found["costs"] = run_costs([result for result in data.results if result.spec.observation == "rgb"])
     return found
-
-
-def _where(part: str, ending: str) -> tuple[str, ...]:
-    """The words of a suffix: "differences_keypoints_mean" has its observation in the middle."""
-    return ("differences", ending, "mean") if part == "differences_mean" else (part, ending)
-
-
-def _joined(*words: str) -> str:
-    return "_".join(filter(None, words))
 
 
 def _means(tables: dict[str, pd.DataFrame]) -> pd.DataFrame:
@@ -92,9 +81,8 @@ def _means(tables: dict[str, pd.DataFrame]) -> pd.DataFrame:
 
 def printed(tables: dict[str, pd.DataFrame], data: Data) -> dict[str, pd.DataFrame]:
     """One row a task, for each method its rate and the paper's; and MOVE against each method in a row, from both."""
-    parts = {seen: [tables.get(_joined(*_where(part, ending)), pd.DataFrame()) for part in (
-        "differences", "differences_mean", "over_tasks")] for seen, ending in (("pixels", ""),
-                                                                               ("keypoints", "keypoints"))}
+    parts = {seen: [tables[suffix] for suffix in suffixes[1:]]
+             for seen, suffixes in zip(("pixels", "keypoints"), SUFFIXES.values(), strict=True)}
     rows = [summary(*three).assign(From=seen) for seen, three in parts.items() if len(three[0])]
     together = pd.concat(rows).fillna(ABSENT) if rows else readable(pd.DataFrame())
     return {"": task_layout(tables[""], controls(data.episodes), _means(tables)),
@@ -123,16 +111,15 @@ def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:
 def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
     """Means in the paper and here, MOVE minus the others on the mean, and how trainings differ."""
     means, noise = _means(tables), {seen: data.noise(seen) for seen in ("rgb", "keypoints")}
-    ours, theirs = (", ".join(f"{NAMES[method]} {value:.1%}" for method, value in
-                              zip(means.method, means[column], strict=True)) for column in ("value", "paper"))
-    pixels, keypoints = (tables[_joined("differences", ending, "mean")] for ending in ("", "keypoints"))
+    ours, theirs = rates_text(means), rates_text(means, "paper")
+    keypoints = tables["differences_keypoints_mean"].itertuples()
+    given = " and ".join(map(interval_text, keypoints)) or "not computed yet"
     which = "ten" if tables[""].task.nunique() == len(PAPER_TASKS) else "these"
-    given = " and ".join(f"{points(row.difference)} [{points(row.low)}, {points(row.high)}]"
-                         for row in keypoints.itertuples()) or "not computed yet"
     return (
-        f"**The paper:** {which} tasks' mean {theirs}. **Here, from pixels:** {ours}; {means_text(pixels)}; from "
-        f"keypoints {given}. **How sure:** trainings differ by {100 * noise['rgb'].deviation:.0f} points (keypoints "
-        f"{100 * noise['keypoints'].deviation:.0f}). {data.sample_size}")
+        f"**The paper:** {which} tasks' mean {theirs}. **Here, from pixels:** {ours}; "
+        f"{means_text(tables['differences_mean'])}; from keypoints {given}. **How sure:** trainings differ by "
+        f"{100 * noise['rgb'].deviation:.0f} points (keypoints {100 * noise['keypoints'].deviation:.0f}). "
+        f"{data.sample_size}")
 
 
 WORDS = Words(

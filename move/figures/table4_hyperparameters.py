@@ -8,7 +8,7 @@ from move import paper
 from move.figures.page.captions import Words
 from move.figures.page.data import Data
 from move.figures.page.parameters import ProfileName
-from move.figures.tables import readable
+from move.figures.page.printed import readable
 from move.sim.tasks import TASKS
 from move.study.profiles import load_profile
 

@@ -45,12 +45,12 @@ def tables(data: Data) -> dict[str, pd.DataFrame]:
     return {"": means, "by_task": costs, "kept": acceptance_rates(np.random.default_rng(0))}
 
 
-def acceptance_rates(rng: np.random.Generator, configurations: int = 1000) -> pd.DataFrame:
+def acceptance_rates(rng: np.random.Generator) -> pd.DataFrame:
     """For each task the share of random configurations that its reach and clearance filter keeps.
 
     The same filter serves static starts, ADC's jumps, MOVE's motions and evaluation.
     """
-    return pd.DataFrame([{"task": name, "acceptance_rate": acceptance_rate(TASKS[name], rng, configurations)}
+    return pd.DataFrame([{"task": name, "acceptance_rate": acceptance_rate(TASKS[name], rng, 1000)}
                          for name in PAPER_TASKS])
 
 

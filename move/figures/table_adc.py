@@ -14,9 +14,12 @@ from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Seeds
 from move.figures.plots.panels import SEEN
 from move.figures.plots.style import PAGE_WIDTH, titles
-from move.figures.tables import difference_brief, rate_table, reading_differences
+from move.figures.tables import rate_table
+from move.figures.tables.differences import COLUMNS, difference_brief, mean_columns
 from move.paper import PAPER_TASKS
 from move.sim.motion.adc import JUMPS
+from move.statistics.cells import successes, training_noise
+from move.statistics.estimates import TrainingNoise
 from move.study.axes import budgets
 from move.study.kinds import policy_run
 from move.study.labels import LabelledRun, grid
@@ -52,9 +55,22 @@ def tables(data: Data) -> dict[str, pd.DataFrame]:
     return {
         "": rates,
         "means": rates.groupby(["observation", "jumping"], sort=False).value.agg(["mean", "count"]).reset_index(),
-        "differences": reading_differences(data.episodes, "observation", "jumping", "as printed",
-                                           ["mended", "periodic"], noise),
+        "differences": reading_differences(data.episodes, noise),
     }
+
+
+def reading_differences(episodes: pd.DataFrame, known: dict[str, TrainingNoise]) -> pd.DataFrame:
+    """Each other reading minus the one as printed: the mean over the tasks that have both, one row an observation."""
+    rows, printed = [], "as printed"
+    for seen, part in episodes.groupby("observation", sort=False):
+        noise = training_noise(part, ["task", "jumping"], known[seen])
+        cells = {key: successes(cell) for key, cell in part.groupby(["task", "jumping"])}
+        for reading in ("mended", "periodic"):
+            pairs = [(cells[task, reading], cells[task, printed]) for task in part.task.unique()
+                     if {(task, reading), (task, printed)} <= set(cells)]
+            rows += [{"observation": seen, "jumping": reading, "baseline": printed, **mean_columns(pairs, noise)}
+                     ] if pairs else []
+    return pd.DataFrame(rows, columns=["observation", "jumping", "baseline", "items", *COLUMNS])
 
 
 def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:

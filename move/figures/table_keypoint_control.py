@@ -13,16 +13,14 @@ from move.figures.keypoint_control import UNUSED_IMAGE_SIZE
 from move.figures.page.captions import DIFFERENCES, INTERVALS, RATES, Words
 from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Seeds
-from move.figures.plots.style import NAMES, PAGE_WIDTH, titles
-from move.figures.tables import (
+from move.figures.plots.style import PAGE_WIDTH, titles
+from move.figures.tables import controls, rate_table, rates_text, task_layout
+from move.figures.tables.differences import (
     above_text,
-    controls,
     difference_means,
     difference_table,
     means_text,
-    rate_table,
     summary,
-    task_layout,
     tasks_table,
 )
 from move.paper import PAPER_METHODS, PAPER_TASKS
@@ -55,8 +53,8 @@ def tables(data: Data, *, timesteps: int, larger: int) -> dict[str, pd.DataFrame
     return {
         "": rate_table(policies, ["task", "method"], noise),
         "larger": rate_table(more, ["task", "method"], noise),
-        "differences": difference_table(policies, "task", known=noise),
-        "differences_mean": difference_means(policies, "task", known=noise),
+        "differences": difference_table(policies, "task", noise),
+        "differences_mean": difference_means(policies, "task", noise),
         "over_tasks": tasks_table(policies),
     }
 
@@ -83,11 +81,10 @@ def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:
 
 def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
     """Means over the tasks, MOVE minus the others on the mean, and where it is above them."""
-    means = ", ".join(f"{NAMES[row.method]} {row.value:.1%}" for row in _means(tables).itertuples())
     return (
         f"**The paper** has no results from keypoints. **Here, from keypoints:** means over "
-        f"{tables[''].task.nunique()} tasks {means}; {means_text(tables['differences_mean'])}. Single tasks: "
-        f"{above_text(tables['differences'])}. **How sure:** {data.sample_size}")
+        f"{tables[''].task.nunique()} tasks {rates_text(_means(tables))}; {means_text(tables['differences_mean'])}. "
+        f"Single tasks: {above_text(tables['differences'])}. **How sure:** {data.sample_size}")
 
 
 WORDS = Words(

@@ -40,7 +40,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.special import expit, logit, stdtrit, xlogy
 
-from move.statistics.intervals import CONFIDENCE, student_half_width
+from move.statistics.intervals import CONFIDENCE, mean_interval
 from move.statistics.verdicts import INFINITE, Finding
 
 LARGEST_ERROR = 0.08  # of a rate, mean over cells
@@ -267,12 +267,10 @@ def gain_of_two(tries: Tries) -> np.ndarray:
 def findings_on_grids(tries: Tries) -> list[Finding]:
     """What the rule asks of figures 1, 3 and 5, each with its interval."""
     (error, share, residual), low, high = jackknife(tries.run, lambda mask: _on_grids(tries.where(mask)))
-    gains = gain_of_two(tries)
-    half = student_half_width(float(gains.std(ddof=1)), len(gains))
     return [_below(ERROR, error, low[0], high[0], LARGEST_ERROR),
             _below(SHARE, share, low[1], high[1], LARGEST_SHARE),
             Finding(EQUAL, residual, low[2], high[2], -SAME, SAME),
-            _below(GAIN, gains.mean(), gains.mean() - half, gains.mean() + half, LARGEST_GAIN)]
+            _below(GAIN, *mean_interval(gain_of_two(tries)), LARGEST_GAIN)]
 
 
 def _on_grids(tries: Tries) -> np.ndarray:
@@ -293,7 +291,7 @@ def findings_over_tasks(tries: Tries, found: HeldOut, curve: Curve) -> list[Find
     places = np.arange(len(tasks))
     share, low, high = map(float, jackknife(
         places, lambda mask: errors[mask].mean() / max(without[mask].mean(), 1e-9)))
-    return [_below(ERROR, *_mean(errors), LARGEST_ERROR),
+    return [_below(ERROR, *mean_interval(errors), LARGEST_ERROR),
             _below(SHARE, share, low, high, LARGEST_SHARE),
             Finding(EQUAL, *lead_over_tasks(tries, strata(tries, curve)), -SAME, SAME)]
 
@@ -311,14 +309,9 @@ def lead(tries: Tries) -> tuple[float, float, float]:
 def lead_over_tasks(tries: Tries, stratum: np.ndarray) -> tuple[float, float, float]:
     """`at_equal_distance` of each group, here a task: their mean and the ends of its 95 % interval."""
     columns = (tries.success, tries.move, stratum)
-    return _mean(np.array([at_equal_distance(*(each[tries.group == task] for each in columns))
-                           for task in np.unique(tries.group)]))
-
-
-def _mean(values: np.ndarray) -> tuple[float, float, float]:
-    values = values[~np.isnan(values)]
-    mean, half = float(values.mean()), student_half_width(float(values.std(ddof=1)), len(values))
-    return mean, mean - half, mean + half
+    leads = np.array([at_equal_distance(*(each[tries.group == task] for each in columns))
+                      for task in np.unique(tries.group)])
+    return mean_interval(leads[~np.isnan(leads)])
 
 
 def _below(what: str, value: float, low: float, high: float, limit: float) -> Finding:

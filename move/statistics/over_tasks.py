@@ -6,9 +6,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import stdtrit
 
-from move.statistics.intervals import CONFIDENCE
+from move.statistics.intervals import CONFIDENCE, LEAST_ERROR, mean_interval
+
+DRAWS = 4000  # resamples of the tasks
 
 
 @dataclass(frozen=True)
@@ -48,12 +49,11 @@ def over_tasks(pairs: Sequence[tuple[np.ndarray, np.ndarray]]) -> OverTasks:
     rates = np.array([[first.mean(), second.mean()] for first, second in cells])
     better = np.array([_beats(first, second) for first, second in cells])
     differences = rates[:, 0] - rates[:, 1]
-    mean, error = differences.mean(), max(differences.std(ddof=1) / len(pairs) ** 0.5, 1e-3)
-    half = stdtrit(len(pairs) - 1, (1 + CONFIDENCE) / 2) * error
+    mean, low, high = mean_interval(differences, LEAST_ERROR)
     iqm = _resampled(rates, lambda drawn: _iqm(drawn[..., 0]) - _iqm(drawn[..., 1]))
     improvement = _resampled(better[:, None], lambda drawn: drawn[..., 0].mean(axis=-1))
     return OverTasks(
-        tasks=len(pairs), mean_difference=float(mean), low=float(mean - half), high=float(mean + half),
+        tasks=len(pairs), mean_difference=mean, low=low, high=high,
         iqm_first=float(_iqm(rates[:, 0])), iqm_second=float(_iqm(rates[:, 1])), iqm_low=iqm[0], iqm_high=iqm[1],
         improvement=float(better.mean()), improvement_low=improvement[0], improvement_high=improvement[1],
         p_value=_p_of_flipped_signs(differences))
@@ -78,10 +78,8 @@ def _p_of_flipped_signs(differences: np.ndarray) -> float:
     return float(min(2 * extreme, 1))
 
 
-def _resampled(
-    values: np.ndarray, statistic: Callable[[np.ndarray], np.ndarray], draws: int = 4000
-) -> tuple[float, float]:
+def _resampled(values: np.ndarray, statistic: Callable[[np.ndarray], np.ndarray]) -> tuple[float, float]:
     """Percentile interval of a statistic of rows drawn with replacement, the same draws each time."""
-    rows = np.random.default_rng(0).integers(len(values), size=(draws, len(values)))
+    rows = np.random.default_rng(0).integers(len(values), size=(DRAWS, len(values)))
     ends = np.quantile(statistic(values[rows]), [(1 - CONFIDENCE) / 2, (1 + CONFIDENCE) / 2])
     return float(ends[0]), float(ends[1])

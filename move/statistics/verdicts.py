@@ -147,13 +147,10 @@ class Finding:
         return f"{self.what}: {self.design.needed(min(edges))}"
 
     def __str__(self) -> str:
-        printed = "" if np.isnan(self.paper) else f" (paper {self.paper:.3g}{self._noise})"
+        noise = f" +- {self.paper_half_width:.2g}" if self.paper_half_width else ""
+        printed = "" if np.isnan(self.paper) else f" (paper {self.paper:.3g}{noise})"
         value, low, high = (f"{round(number, 12) + 0.0:.3g}" for number in (self.value, self.low, self.high))
         return f"{self.what}: {self.text or f'{value} [{low}, {high}]'}{printed}"
-
-    @property
-    def _noise(self) -> str:
-        return f" +- {self.paper_half_width:.2g}" if self.paper_half_width else ""
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,6 @@ import pandas as pd
 from move.errors import BadInput
 from move.figures.page import captions
 from move.figures.page.noise import known_noise
-from move.figures.tables import rates
 from move.statistics.estimates import TrainingNoise
 from move.study.execute import execute
 from move.study.labels import LabelledRun
@@ -59,9 +58,14 @@ class Data:
             self._noises[observation, grid] = known_noise(self.profile, observation, grid)
         return self._noises[observation, grid]
 
-    def with_missing(self, table: pd.DataFrame, by: list[str]) -> pd.DataFrame:
-        """`table` with a row for everything that the runs were to tell, NaN where it is missing, in their order."""
-        return rates.with_missing(table, self.runs, by)
+    def with_missing(self, rates: pd.DataFrame, by: list[str]) -> pd.DataFrame:
+        """A `rate_table` with a row for everything that the runs were to tell, NaN where it is missing, in their order.
+        """
+        wanted = pd.DataFrame([{**run.labels, "task": run.spec.task, "method": run.spec.method,
+                                "observation": run.spec.observation, "timesteps": run.spec.collection.timesteps}
+                               for run in self.runs if run.spec.collection])
+        whole = wanted[by].drop_duplicates().merge(rates, on=by, how="left")
+        return whole.assign(seeds=[seeds if isinstance(seeds, list) else [] for seeds in whole.seeds])
 
     @property
     def source(self) -> str:

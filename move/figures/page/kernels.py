@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from typing import Any
+from unittest.mock import patch
 
 from move import paths
 from move.errors import BadInput
@@ -144,20 +145,19 @@ def _work(answer: Connection, name: str, profile: Profile, changes: dict[str, An
     end_with(parent.pid)
     signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
-        answer.send(("executed", str(run_notebook(name, profile, changes, stored_only))))
+        done = Done(name, run_notebook(name, profile, changes, stored_only))
     except (NotebookFailed, BadInput, OSError) as problem:
-        answer.send((type(problem).__name__, str(problem)))
+        done = Done(name, problem=problem)
+    answer.send(done)
 
 
 def _ended(worker: _Worker) -> Done:
     try:
-        kind, text = worker.answer.recv()
+        done = worker.answer.recv()
     except EOFError:
-        kind, text = "NotebookFailed", f"{worker.name}.ipynb failed: its process was killed"
+        done = Done(worker.name, problem=NotebookFailed(f"{worker.name}.ipynb failed: its process was killed"))
     worker.process.join()
-    if kind == "executed":
-        return Done(worker.name, Path(text))
-    return Done(worker.name, problem=(BadInput if kind == "BadInput" else NotebookFailed)(text))
+    return done
 
 
 def run_notebook(
@@ -179,10 +179,10 @@ def run_notebook(
     executed, problem = folder / f"{name}.ipynb", ""
     given = {**plain(parameters(name, profile, changes)), "profile": profile.name}
     manager = {"kernel_manager_class": forked.ForkedKernel} if forked.POSSIBLE else {}
+    environment = {BY_COMMAND: "1", **({"MOVE_STORED_ONLY": "1"} if stored_only else {})}
     for _ in range(STARTS):
         try:
-            with (_replaced_at_the_end(executed) as under_way,
-                  _environment({BY_COMMAND: "1"} | ({"MOVE_STORED_ONLY": "1"} if stored_only else {}))):
+            with _replaced_at_the_end(executed) as under_way, patch.dict(os.environ, environment):
                 done = papermill.execute_notebook(
                     paths.NOTEBOOKS / f"{name}.ipynb", under_way, given, kernel_name="python3", progress_bar=False,
                     cwd=paths.NOTEBOOKS, extra_arguments=["--log-level=ERROR"], **manager)
@@ -230,21 +230,5 @@ def _useful(kind: str, message: str) -> str:
 
 def missing_runs(name: str, profile: Profile, changes: dict[str, Any] | None) -> list[str]:
     """The hashes of a figure's runs of which no result is stored."""
-    folder = profile.results
     found = dict.fromkeys(spec.hash for spec in specs(name, profile, changes))
-    return [run for run in found if not (folder / f"{run}.json").exists()]
-
-
-@contextmanager
-def _environment(variables: dict[str, str]) -> Iterator[None]:
-    """For a while, what a kernel started here finds in its environment."""
-    before = {name: os.environ.get(name) for name in variables}
-    os.environ.update(variables)
-    try:
-        yield
-    finally:
-        for name, value in before.items():
-            if value is None:
-                del os.environ[name]
-            else:
-                os.environ[name] = value
+    return [run for run in found if not (profile.results / f"{run}.json").exists()]

@@ -146,7 +146,7 @@ def _write(made: Made, sources: Mapping[str, str]) -> None:
         if made.data.remark:
             style.remark(figure, made.data.remark)
         if made.change:
-            style.changed(figure, str(made.change))
+            style.heading(figure, str(made.change), "#B00000")
         if profile.stamp:
             style.stamp(figure, profile.stamp)
         of = words if name == made.name else words.others[name]

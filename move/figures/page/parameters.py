@@ -44,12 +44,8 @@ def _of_moves_motions(chosen: dict[str, Any]) -> dict[str, Any]:
     return chosen
 
 
-def _known_task(name: str) -> str:
-    return name and get_task(name).name
-
-
 SHARED: dict[str, tuple[Any, Any]] = {
-    "task": (Annotated[str, AfterValidator(_known_task)], ""),
+    "task": (Annotated[str, AfterValidator(lambda name: name and get_task(name).name)], ""),
     "first_seed": (Annotated[int, Field(ge=0, le=10**6, strict=True)], 0),
     "motions": (Annotated[dict[str, Any], AfterValidator(_of_moves_motions)], {}),
 }

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from pandas.io.formats.style import Styler
 
 ABSENT, MINUS = "\N{EM DASH}", "\N{MINUS SIGN}"
+NUMBER = rf"^[+{MINUS}<{ABSENT}\d]"  # how a cell that is one begins
 LONG_ROWS, LONG_TEXT, WIDE = 45, 44, 62  # rows on a page; letters of a cell that breaks lines; letters in one column
 
 Cell = Callable[[Any], str]
@@ -40,10 +41,6 @@ def _percent(value: Any) -> str:
 
 def _points(value: Any) -> str:
     return _number(100 * value, sign="+")
-
-
-def _width(value: Any) -> str:
-    return _number(100 * value)
 
 
 def _probability(value: Any) -> str:
@@ -72,17 +69,9 @@ def _method(value: Any) -> str:
     return NAMES.get(value, _plain(value))
 
 
-def _seeds(values: Any) -> str:
-    return ", ".join(_percent(value) for value in values)
-
-
 def _moves(value: Any) -> str:
     """What moves, as a list: short enough for two of them in a row."""
     return str(value).replace(" + ", ", ")
-
-
-def _centimetres(value: Any) -> str:
-    return f"{100 * value:.1f}"
 
 
 def _named(**names: str) -> Cell:
@@ -93,20 +82,21 @@ COLUMNS: dict[str, tuple[str, Cell]] = {
     "task": ("Task", _task), "method": ("Method", _method), "baseline": ("Against", _method),
     "timesteps": ("Timesteps", _count), "move_timesteps": ("Timesteps, MOVE", _count),
     "static_timesteps": ("Timesteps, static", _count), "value": ("Success (%)", _percent),
-    "level": ("From goal-blind to expert (%)", _percent), "seeds": ("Each seed (%)", _seeds),
-    "episodes": ("Episodes", _count), "trainings": ("Training noise", str),
-    "difference": ("Difference (points)", _points), "p": ("p", _probability), "holm": ("p, Holm", _probability),
-    "items": ("Items", _count), "tasks": ("Tasks", _count), "where": ("Where", _task),
+    "level": ("From goal-blind to expert (%)", _percent),
+    "seeds": ("Each seed (%)", lambda values: ", ".join(map(_percent, values))), "episodes": ("Episodes", _count),
+    "trainings": ("Training noise", str), "difference": ("Difference (points)", _points),
+    "p": ("p", _probability), "holm": ("p, Holm", _probability), "items": ("Items", _count), "tasks": ("Tasks", _count),
+    "where": ("Where", _task),
     "factors": ("Random", _named(all="object, target, hand, camera", **{"object+target": "object, target, hand"})),
-    "moves": ("What moves", _moves), "part": ("Whose speed", _named(nothing="static")), "speed": ("Speed", _plain),
+    "moves": ("What moves", _moves), "part": ("Whose speed", _named(nothing="static")),
     "share": ("MOVE's share (%)", _percent), "length": ("Gradient steps / the recipe's", _plain),
-    "equal": ("Equal", str), "demonstrations": ("Demonstrations", _count),
+    "demonstrations": ("Demonstrations", _count),
     "observation": ("From", _named(rgb="pixels")), "jumping": ("Reading of ADC", str),
     "group": ("Tried", _named(random="elsewhere", grasp="at its own grasps", moving="elsewhere, in motion")),
     "own": ("At its own grasps (%)", _percent), "elsewhere": ("Elsewhere (%)", _percent),
     "lost": ("Lost elsewhere (points)", _points), "in_motion": ("Elsewhere, in motion (%)", _percent),
     "object": ("Object (%)", _percent), "target": ("Target (%)", _percent), "camera": ("Camera (%)", _percent),
-    "change": ("Change", str), "train_minutes": ("Minutes", _number), "loss": ("Loss", lambda value: f"{value:.4f}"),
+    "train_minutes": ("Minutes", _number), "loss": ("Loss", lambda value: f"{value:.4f}"),
     "gain": ("Gain (points)", _points), "collect": ("Collect", _number), "train": ("Train", _number),
     "evaluate": ("Evaluate", _number), "whole": ("Whole", _number), "runs": ("Runs", _count),
     "all_runs": ("All runs", _count), "expert": ("Expert", _named(phase="ours", metaworld="Meta-World's")),
@@ -114,20 +104,19 @@ COLUMNS: dict[str, tuple[str, Cell]] = {
     "mean_steps": ("Timesteps", _number), "jumps": ("Jumps", _number),
     "paper_mean_steps": ("Timesteps, paper", _number), "acceptance_rate": ("Kept (%)", _percent),
     "paper_generation_rate": ("Generation rate, paper (%)", _percent), "mean": ("Mean success (%)", _percent),
-    "count": ("Tasks", _count), "covered": ("Hold the truth (%)", _percent), "interval": ("Interval", str),
-    "half_width": ("Half width (points)", _width), "deviation": ("Trainings differ by (points)", _width),
+    "count": ("Tasks", _count), "covered": ("Hold the truth (%)", _percent),
+    "half_width": ("Half width (points)", _percent), "deviation": ("Trainings differ by (points)", _percent),
     "ratio": ("Factor", _factor), "least": ("Least", _factor), "most": ("Most", _factor),
     "mean_difference": ("Mean (points)", _points), "iqm_first": ("IQM, MOVE (%)", _percent),
     "iqm_second": ("IQM, other (%)", _percent), "iqm_difference": ("IQM (points)", _points),
     "improvement": ("MOVE better (%)", _percent), "p_value": ("p", _probability), "rate": ("Success (%)", _percent),
-    "case": ("Case", _task), "setting": ("Setting", str), "step": ("Step", str), "start": ("From (%)", _percent),
+    "case": ("Case", _task), "start": ("From (%)", _percent),
     "effect": ("Switched alone (points)", _points), "hand": ("Hand's start", str),
     "above": ("Above on", _count), "below": ("Below on", _count), "neither": ("Not distinguishable on", _count),
-    "verdict": ("Verdict", str), "number": ("No.", str), "claim": ("Claim", str),
-    "first": ("First", str), "second": ("Second", str), "fisher": ("p, Fisher", _probability),
+    "number": ("No.", str), "fisher": ("p, Fisher", _probability),
     "barnard": ("p, Barnard", _probability), "base": ("Base (%)", _percent), "trials": ("Trials", _count),
     "predicted": ("Predicted (%)", _percent), "without": ("Without distances (%)", _percent),
-    "beyond": ("Beyond the radius (%)", _percent), "spread": ("Spread of places (cm)", _centimetres),
+    "beyond": ("Beyond the radius (%)", _percent), "spread": ("Spread of places (cm)", _percent),  # of metres
     "detectable_rise": ("Found rise (points)", _points), "rate_needed": ("Rate needed (%)", _percent),
 }
 """A column's heading and how its cells are written; another column is shown as it is."""
@@ -206,11 +195,11 @@ def save(
     Raises:
         BadInput: one of them cannot be written, as on a full disk; what was there stays.
     """
-    joined = table.assign(**{column: [" ".join(map(str, values)) for values in table[column]]
-                             for column in ("seeds",) if column in table and table[column].map(type).eq(list).any()})
     text = latex(readable(table) if printed is None else printed, name, caption)
+    if "seeds" in table and table.seeds.map(type).eq(list).any():
+        table = table.assign(seeds=[" ".join(map(str, values)) for values in table.seeds])
     with written_aside(folder / f"{name}.csv") as new:
-        joined.to_csv(new, float_format=_four_digits, index=table.index.name is not None)
+        table.to_csv(new, float_format=_four_digits, index=table.index.name is not None)
     with written_aside(folder / f"{name}.tex") as new:
         new.write_text(text, encoding="utf-8")
 
@@ -234,8 +223,8 @@ def latex(printed: pd.DataFrame, name: str, caption: str) -> str:
     long = sum(letters > LONG_TEXT for letters in width)
     left = 6.4 - 0.06 * sum(letters for letters in width if letters <= LONG_TEXT) - 0.17 * len(width)
     room = f"{max(0.8, left / max(long, 1)):.1f}in"
-    shape = "".join(f"p{{{room}}}" if letters > LONG_TEXT else "r" if _is_numbers(printed.iloc[:, place]) else "l"
-                    for place, letters in enumerate(width))
+    sides = ["r" if printed.iloc[:, place].str.match(NUMBER).all() else "l" for place in range(len(width))]
+    shape = "".join(f"p{{{room}}}" if letters > LONG_TEXT else side for letters, side in zip(width, sides, strict=True))
     lines = len(printed) * (2 if long else 1)
     kind = "longtable" if lines > LONG_ROWS else "table*" if sum(width) > WIDE else "table"
     text = escaped.style.hide(axis="index").to_latex(
@@ -244,10 +233,6 @@ def latex(printed: pd.DataFrame, name: str, caption: str) -> str:
     size = "\\footnotesize\n"
     return f"{{{size}{text}}}\n" if kind == "longtable" else text.replace(
         "\\begin{tabular}", f"\\centering\n{size}\\begin{{tabular}}", 1)
-
-
-def _is_numbers(cells: pd.Series) -> bool:
-    return cells.str.match(rf"^[+{MINUS}<{ABSENT}\d]").all()
 
 
 _ESCAPES = str.maketrans({"&": r"\&", "%": r"\%", "$": r"\$", "#": r"\#", "_": r"\_", "{": r"\{", "}": r"\}",

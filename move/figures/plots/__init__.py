@@ -2,16 +2,10 @@
 
 Rates and differences are shares of 1 in the tables and on the axes, and are written in per cent and in points. A row
 whose value is NaN is drawn as missing. Maps and frames are in `move.figures.plots.maps`.
-
-axes     what they share: per cent, points, ticks
-bars     rates, groups of them, ladders, costs
-curves   over budgets, speeds, lengths of training, seeds
-distance success by distance, predicted rates
-points   differences, claims, factors, tasks side by side, coverage
 """
 
 from move.figures.plots.axes import log_ticks, points_axis, pooled_entry, short
-from move.figures.plots.bars import cost_entries, costs, grouped_rates, ladder, rates, share_interval
+from move.figures.plots.bars import cost_entries, costs, grouped_rates, ladder, share_interval
 from move.figures.plots.curves import (
     coverages,
     curve,
@@ -36,10 +30,3 @@ from move.figures.plots.points import (
     readings,
     task_rates,
 )
-
-__all__ = [
-    "READINGS", "VERDICT_COLOURS", "changes", "cost_entries", "costs", "coverages", "covered", "curve", "differences",
-    "efficiencies", "entries", "forest", "forest_entries", "gains", "grouped_rates", "half_widths", "ladder", "level",
-    "log_ticks", "own_and_elsewhere", "points_axis", "pooled_entry", "printed_points", "rates", "readings", "reference",
-    "reference_entry", "share_interval", "short", "task_rates",
-]

@@ -1,4 +1,4 @@
-"""What plots of rates share: axes in per cent and in points, ticks, tasks' names, points with their intervals."""
+"""What plots of rates share: axes in per cent and in points, ticks, points with their intervals."""
 
 from __future__ import annotations
 
@@ -9,20 +9,34 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FuncFormatter, MultipleLocator
+from matplotlib.ticker import MultipleLocator
 
 from move.figures.plots.style import COLOURS, MARKERS
-from move.sim.tasks import TASKS
 
 PRINTED: dict[str, Any] = {"color": "black", "ls": ":", "lw": 1.4}  # the paper's value on a bar
 
-GREY = "#777777"
 POOLED = "like cells"  # what an interval knows of trainings where there is a single one, see `Estimate`
 
 
-def errors(row) -> list[list[float]]:
-    """How far an interval goes below and above its value, as `Axes.errorbar` takes it."""
-    return [[row.value - row.low], [row.high - row.value]]
+def errors(rows, column: str = "value") -> np.ndarray:
+    """How far intervals go below and above the values of a column, (2, rows), as `Axes.errorbar` takes it.
+
+    Args:
+        rows: a table with the column, low and high; or one row of it.
+    """
+    values = getattr(rows, column)
+    return np.reshape([values - rows.low, rows.high - values], (2, -1))
+
+
+def per_cent(share: float, _: object = None) -> str:
+    """How ticks of shares are written."""
+    return f"{100 * share:.0f}"
+
+
+def lines_axis(labels: Sequence[str], ax: Axes) -> None:
+    """A vertical axis of lines with their names, the first one at the top."""
+    ax.set_yticks(range(len(labels)), labels)
+    ax.set_ylim(max(len(labels), 1) - 0.5, -0.5)
 
 
 def rate_points(places: Sequence[float] | np.ndarray, rows: pd.DataFrame, method: str, ax: Axes,
@@ -36,8 +50,8 @@ def rate_points(places: Sequence[float] | np.ndarray, rows: pd.DataFrame, method
         colour: in place of the method's.
     """
     colour, spots = colour or COLOURS[method], np.asarray(places, float)
-    ax.errorbar(spots, rows.value, [rows.value - rows.low, rows.high - rows.value], fmt=MARKERS[method] + line, ms=3.4,
-                lw=1.0, capsize=1.5, color=colour, label=label)
+    ax.errorbar(spots, rows.value, errors(rows), fmt=MARKERS[method] + line, ms=3.4, lw=1.0, capsize=1.5, color=colour,
+                label=label)
     pooled = is_pooled(rows)
     ax.plot(spots[pooled], rows.value[pooled], MARKERS[method], ms=3.4, mew=0.9, color=colour, mfc="white", zorder=3,
             label="_pooled")
@@ -56,7 +70,7 @@ def pooled_entry(table: pd.DataFrame) -> list[Line2D]:
 
 def success_axis(ax: Axes, bars: bool = False) -> None:
     """A vertical axis of success rates, written in per cent; bars stand on its lower end."""
-    ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{100 * value:.0f}"))
+    ax.yaxis.set_major_formatter(per_cent)
     ax.yaxis.set_major_locator(MultipleLocator(0.2))
     ax.set(ylabel="success (%)", ylim=(0 if bars else -0.03, 1.05))
 
@@ -64,17 +78,9 @@ def success_axis(ax: Axes, bars: bool = False) -> None:
 def points_axis(ax: Axes, label: str) -> None:
     """A horizontal axis of differences of rates, written in points, with 0 marked."""
     ax.axvline(0, color="black", lw=0.8)
-    ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{100 * value:+.0f}".replace("-", "\N{MINUS SIGN}")
-                                               if round(100 * value) else "0"))
+    ax.xaxis.set_major_formatter(lambda value, _: f"{100 * value:+.0f}".replace("-", "\N{MINUS SIGN}")
+                                 if round(100 * value) else "0")
     ax.set_xlabel(label)
-
-
-def task_axis(tasks: Sequence[str], ax: Axes) -> None:
-    """A horizontal axis of tasks by their titles, broken at hyphens where many stand side by side."""
-    names = [TASKS[task].title for task in tasks]
-    ax.set_xticks(range(len(tasks)), [name.replace("-", "-\n") for name in names] if len(tasks) > 4 else names)
-    ax.set_xlim(-0.6, len(tasks) - 0.4)
-    success_axis(ax)
 
 
 def kept_apart(places: np.ndarray, least: float) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""Bars: rates side by side or in groups, one thing after the other, and costs."""
+"""Bars: rates in groups, one thing after the other, and costs."""
 
 from __future__ import annotations
 
@@ -10,36 +10,22 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from move.figures.plots.axes import GREY, PRINTED, errors, success_axis
-from move.figures.plots.style import COLOURS, LEAST_POINTS, NAMES
-from move.statistics.intervals import student_half_width, wilson_interval
+from move.figures.plots.axes import PRINTED, errors, success_axis
+from move.figures.plots.style import COLOURS, GREY, LEAST_POINTS, NAMES, in_order
+from move.statistics.intervals import mean_interval, student_half_width, wilson_interval
 
 NORMAL = 1.96  # half width of a 95 % interval in standard deviations, where these are known
-
-
-def rates(table: pd.DataFrame, ax: Axes) -> None:
-    """Success rates side by side, one a row of `table`, with intervals, single seeds and the paper's value.
-
-    Args:
-        table: method, value, low, high, seeds (list of single seeds' rates), paper (NaN where it gives none).
-    """
-    for place, row in enumerate(table.itertuples()):
-        _bar(place, row, 0.62, ax)
-        _printed_line(place, row.paper, 0.8, ax)
-    ax.set_xticks(range(len(table)), [NAMES[name] for name in table.method])
-    success_axis(ax, bars=True)
-    ax.set_xlim(-0.6, len(table) - 0.4)
 
 
 def grouped_rates(table: pd.DataFrame, by: str, labels: list[str], ax: Axes) -> None:
     """Success rates of the methods side by side for each value of `by`, with intervals, seeds and the paper's values.
 
     Args:
-        table: `by`, method, value, low, high, seeds, paper (NaN where it gives none); any row may be
-            missing.
+        table: `by`, method, value, low, high, seeds (list of single seeds' rates), paper (NaN where it gives none);
+            any row may be missing.
         labels: what to call the values of `by`, in their order.
     """
-    groups, methods = list(table[by].unique()), [name for name in COLOURS if name in set(table.method)]
+    groups, methods = list(table[by].unique()), in_order(table.method)
     width, named = 0.8 / len(methods), set()
     for row in table.itertuples():
         place = groups.index(getattr(row, by)) + (methods.index(row.method) - (len(methods) - 1) / 2) * width
@@ -99,7 +85,7 @@ def costs(table: pd.DataFrame, value: str, paper: dict[str, float], ax: Axes, sh
         for expert, shift in zip(experts, (-0.2, 0.2), strict=False):
             values = table[(table.method == method) & (table.expert == expert)][value]
             ax.bar(place + shift, values.mean(), width=0.36, color=COLOURS[method], alpha=0.85 if shift < 0 else 0.45)
-            low, high = share_interval(values) if share else _mean_interval(values)
+            low, high = share_interval(values) if share else mean_interval(values)[1:]
             ax.errorbar(place + shift, values.mean(), [[values.mean() - low], [high - values.mean()]], color="black",
                         capsize=2, lw=0.9)
             ax.plot(np.full(len(values), place + shift + 0.1), values, ".", color="#444444", ms=3, clip_on=False)
@@ -117,11 +103,6 @@ def cost_entries(experts: Sequence[str]) -> list[Patch | Line2D]:
             for expert, alpha in zip(experts, (0.85, 0.45), strict=False)]
     dot = Line2D([], [], ls="none", marker=".", ms=4, color="#444444", label="a task")
     return [*bars, dot, Line2D([], [], **PRINTED, label="paper")]
-
-
-def _mean_interval(values: pd.Series) -> tuple[float, float]:
-    half = student_half_width(values.std(), len(values))
-    return values.mean() - half, values.mean() + half
 
 
 def share_interval(shares: pd.Series) -> tuple[float, float]:

@@ -9,10 +9,10 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FuncFormatter, MultipleLocator
+from matplotlib.ticker import MultipleLocator
 
-from move.figures.plots.axes import kept_apart, log_ticks, rate_points, short, success_axis
-from move.figures.plots.style import COLOURS, LEAST_POINTS, MARKERS, NAMES
+from move.figures.plots.axes import kept_apart, log_ticks, per_cent, rate_points, short, success_axis
+from move.figures.plots.style import COLOURS, LEAST_POINTS, MARKERS, NAMES, in_order
 
 REFERENCE: dict[str, Any] = {"ls": "--", "lw": 1.0}
 
@@ -27,7 +27,7 @@ def curve(table: pd.DataFrame, x: str, label: str, ax: Axes, log: bool = False, 
     """
     ticks = sorted(table[x].unique())
     apart = 0.035 * (np.log(ticks[-1] / ticks[0]) if log else ticks[-1] - ticks[0])
-    methods = [name for name in COLOURS if name in set(table.method)]
+    methods = in_order(table.method)
     for method, shift in zip(methods, apart * np.linspace(-1, 1, len(methods)) * (len(methods) > 1), strict=True):
         rows = table[table.method == method].sort_values(x)
         rows = rows.assign(place=rows[x] * np.exp(shift) if log else rows[x] + shift)
@@ -58,9 +58,9 @@ def printed_points(points: pd.DataFrame, ax: Axes) -> None:
                 clip_on=False)
 
 
-def level(value: float, label: str, ax: Axes, style: str = "--") -> None:
+def level(value: float, label: str, ax: Axes) -> None:
     """A horizontal line, a floor or a ceiling, whose label ends at the axis's right end."""
-    ax.axhline(value, color="#666666", lw=0.9, ls=style)
+    ax.axhline(value, color="#666666", lw=0.9, ls="--")
     ax.annotate(label, (1.0, value), xycoords=("axes fraction", "data"), xytext=(-2, 2), textcoords="offset points",
                 ha="right", fontsize=LEAST_POINTS, color="#444444")
 
@@ -83,7 +83,7 @@ def reference_entry(method: str) -> Line2D:
 def entries(methods: Sequence[str], paper: str = "", missing: bool = False) -> list[Line2D]:
     """What a legend shows of curves and points: a line a method, and in grey what diamonds and question marks are."""
     handles = [Line2D([], [], color=COLOURS[name], marker=MARKERS[name], ms=3.4, lw=1.0, label=NAMES[name])
-               for name in COLOURS if name in methods]
+               for name in in_order(methods)]
     handles += [Line2D([], [], ls="none", marker="D", ms=3.5, color="#444444", mfc="white", label=paper)] * bool(paper)
     handles += [Line2D([], [], ls="none", marker="$?$", ms=5, mew=0.3, color="#444444", label="missing")] * missing
     return handles
@@ -121,7 +121,7 @@ def half_widths(table: pd.DataFrame, ax: Axes) -> None:
     for last, height in zip(ends.itertuples(), kept_apart(ends.half_width.to_numpy(), apart), strict=True):
         ax.annotate(f"{100 * last.deviation:.0f} points", (last.seeds, height), xytext=(4, -2),
                     textcoords="offset points", fontsize=LEAST_POINTS)
-    ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{100 * value:.0f}"))
+    ax.yaxis.set_major_formatter(per_cent)
     ax.yaxis.set_major_locator(MultipleLocator(0.05))
     ax.set(xlabel="seeds", ylabel="half width of the interval (points)", xticks=sorted(table.seeds.unique()),
            xlim=(None, table.seeds.max() + 1), ylim=(0, None))

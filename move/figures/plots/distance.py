@@ -8,10 +8,10 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FuncFormatter, MultipleLocator
+from matplotlib.ticker import MultipleLocator
 
-from move.figures.plots.axes import GREY, points_axis, success_axis
-from move.figures.plots.style import COLOURS, NAMES
+from move.figures.plots.axes import errors, lines_axis, per_cent, points_axis, success_axis
+from move.figures.plots.style import COLOURS, GREY, NAMES
 from move.sim.methods import METHODS
 from move.statistics.distance import Curve
 
@@ -23,8 +23,8 @@ def by_distance(table: pd.DataFrame, ax: Axes) -> None:
         table: method, distance (centimetres), value, low, high.
     """
     for method, rows in table.groupby("method", sort=False):
-        ax.errorbar(rows.distance, rows.value, [rows.value - rows.low, rows.high - rows.value], lw=1,
-                    fmt=METHODS[method].marker, ms=4, capsize=1.5, color=COLOURS[method])
+        ax.errorbar(rows.distance, rows.value, errors(rows), lw=1, fmt=METHODS[method].marker, ms=4, capsize=1.5,
+                    color=COLOURS[method])
     success_axis(ax)
     ax.set(xlabel="distance to the nearest place seen (cm)", xlim=(0, None))
 
@@ -49,11 +49,10 @@ def predicted(table: pd.DataFrame, margin: float, ax: Axes) -> None:
     ax.fill_between([0, 1], [-margin, 1 - margin], [margin, 1 + margin], color="#999999", alpha=0.25, lw=0)
     ax.plot([0, 1], [0, 1], color="black", lw=0.8)
     for (method, observation), rows in table.groupby(["method", "observation"], sort=False):
-        ax.errorbar(rows.predicted, rows.value, [rows.value - rows.low, rows.high - rows.value], lw=0.7,
-                    fmt=METHODS[method].marker, ms=4, color=COLOURS[method],
-                    mfc=COLOURS[method] if observation == "rgb" else "white")
+        ax.errorbar(rows.predicted, rows.value, errors(rows), lw=0.7, fmt=METHODS[method].marker, ms=4,
+                    color=COLOURS[method], mfc=COLOURS[method] if observation == "rgb" else "white")
     success_axis(ax)
-    ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{100 * value:.0f}"))
+    ax.xaxis.set_major_formatter(per_cent)
     ax.xaxis.set_major_locator(MultipleLocator(0.2))
     ax.set(xlabel="predicted success (%)", xlim=(0, 1))
 
@@ -69,11 +68,9 @@ def leads(table: pd.DataFrame, labels: Sequence[str], margin: float, ax: Axes) -
     ax.axvspan(-margin, margin, color="#999999", alpha=0.25, lw=0)
     styles = ((-0.15, "x", GREY), (0.15, "D", "black"))
     for (shift, marker, colour), (compared, rows) in zip(styles, table.groupby("compared", sort=False), strict=False):
-        ends = [rows.difference - rows.low, rows.high - rows.difference]
-        ax.errorbar(rows.difference, np.arange(len(rows)) + shift, xerr=ends, capsize=1.5, ms=4, lw=1, fmt=marker,
-                    color=colour, label=compared)
-    ax.set_yticks(range(len(labels)), labels)
-    ax.set_ylim(max(len(labels), 1) - 0.5, -0.5)
+        ax.errorbar(rows.difference, np.arange(len(rows)) + shift, xerr=errors(rows, "difference"), capsize=1.5, ms=4,
+                    lw=1, fmt=marker, color=colour, label=compared)
+    lines_axis(labels, ax)
     points_axis(ax, "MOVE minus static (points)")
 
 

@@ -34,8 +34,12 @@ from move.video import write_video
 FRAMES_PER_SECOND = 25  # of the scene's 80 timesteps a second, so that a film is about three times slower than real
 LETTERS, BAND = 14, 40  # pixels: height of a film's letters, and of the band that they stand in
 LAST = 25  # frames for which a film shows how it ended
+WEBP_WIDTH = 732  # pixels
 RINGS = {"object": (255, 232, 0), "target": (255, 255, 255)}  # yellow and white: nothing in the scene is
+ALONE = {"translation": ("object_speed", 0.03), "rotation": ("yaw_speed", 0.1), "camera": ("camera_speed", 0.07)}
+"""One motion alone: whose speed, and how much, fast enough to be seen."""
 RING_M, TRAIL, WORD = 0.045, 25, 20  # radius in metres; timesteps that a trail goes back; that a jump is written for
+TRIES = 20  # episodes played to see one succeed and one fail
 FINE = 3  # times as fine are rings drawn, and then made smaller
 
 
@@ -127,7 +131,7 @@ def episode_take(agent: Agent, spec: PolicyRun, number: int, image_size: int) ->
 
 
 def one_of_each(
-    acting: Callable[[int], Agent], spec: PolicyRun, rng: np.random.Generator, image_size: int, tries: int = 20
+    acting: Callable[[int], Agent], spec: PolicyRun, rng: np.random.Generator, image_size: int
 ) -> list[tuple[dict, Take]]:
     """Play evaluation episodes in random order until one has succeeded and one has failed; these two, or the only one.
 
@@ -138,7 +142,7 @@ def one_of_each(
         acting: who acts in the episode of a number.
     """
     shown: dict[bool, tuple[dict, Take]] = {}
-    for number in rng.permutation(spec.evaluation.episodes)[:tries]:
+    for number in rng.permutation(spec.evaluation.episodes)[:TRIES]:
         row, take = episode_take(acting(int(number)), spec, int(number), image_size)
         shown.setdefault(row["success"], (row, take))
         if len(shown) == 2:
@@ -153,16 +157,16 @@ def demonstration(task: str, method: str, image_size: int = 192, motions: Motion
 
 
 def only(part: str) -> Motions:
-    """Motions of which only one is left, fast enough to be seen: "translation", "rotation" or "camera"."""
+    """Motions of which only one of `ALONE` is left."""
+    field, speed = ALONE[part]
     still = {"object_speed": 0.0, "target_speed": 0.0, "yaw_speed": 0.0, "camera_speed": 0.0}
-    moving = {"translation": {"object_speed": 0.03}, "rotation": {"yaw_speed": 0.1}, "camera": {"camera_speed": 0.07}}
-    return Motions.model_validate({**still, **moving[part]})
+    return Motions.model_validate({**still, field: speed})
 
 
 def pace(part: str) -> str:
     """How fast `only(part)` moves, in words: against the data sets."""
-    field = {"translation": "object_speed", "rotation": "yaw_speed", "camera": "camera_speed"}[part]
-    times = getattr(only(part), field) / getattr(Motions(), field)
+    field, speed = ALONE[part]
+    times = speed / getattr(Motions(), field)
     return f"{times:.2g} times as fast as in the data" if times != 1 else "as fast as in the data"
 
 
@@ -275,14 +279,14 @@ def write_film(frames: np.ndarray, path: Path) -> Path:
     return path
 
 
-def write_webp(frames: np.ndarray, path: Path, width: int = 732) -> Path:
-    """Write frames (timesteps, height, width, 3) uint8 as an animated WebP of `width` pixels, which a README can show.
+def write_webp(frames: np.ndarray, path: Path) -> Path:
+    """Write frames (timesteps, height, width, 3) uint8 as a small animated WebP, which a README can show.
 
     Raises:
         BadInput: it cannot be written, as on a full disk; what was there stays.
     """
-    height = round(frames.shape[1] * width / frames.shape[2])
-    first, *others = (Image.fromarray(frame).resize((width, height), Image.Resampling.LANCZOS) for frame in frames)
+    height = round(frames.shape[1] * WEBP_WIDTH / frames.shape[2])
+    first, *others = (Image.fromarray(frame).resize((WEBP_WIDTH, height), Image.Resampling.LANCZOS) for frame in frames)
     with written_aside(path) as new:
         first.save(new, format="WEBP", save_all=True, append_images=others, duration=1000 // FRAMES_PER_SECOND, loop=0,
                    quality=70, method=4)

@@ -1,16 +1,9 @@
-"""Maps of places, and frames in a row: data and an Axes in, marks on the Axes out; nothing is read from disk.
-
-heatmap, seeds_bar   success over the object's place, and the colour bar of it
-difference           the same of MOVE minus static
-grasps, circle       what lies over such a map
-GRASP_POINT, GRASP   what a legend shows of it
-coverage             where object or target were
-strip                frames in a row
-"""
+"""Maps of places, and frames in a row: data and an Axes in, marks on the Axes out; nothing is read from disk."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import matplotlib as mpl
 import matplotlib.pyplot as plt
@@ -42,9 +35,10 @@ def heatmap(episodes: pd.DataFrame, ax: Axes) -> QuadMesh:
     Args:
         episodes: rows with object_x, object_y (metres), seed, success and group; group "point" marks grasp points.
     """
-    cells = _cells(episodes)
-    colours = _colours(episodes.seed.nunique())
-    mesh = _draw_cells(cells, colours, ax)
+    seeds = episodes.seed.nunique()  # rates are multiples of 1 / seeds
+    colours: dict[str, Any] = {"cmap": mpl.colormaps["cividis"].resampled(seeds + 1),
+                               "norm": Normalize(-0.5 / seeds, 1 + 0.5 / seeds)}
+    mesh = _draw_cells(_cells(episodes), colours, ax)
     points = episodes[episodes.group == "point"].groupby(["object_x", "object_y"], as_index=False).success.mean()
     places = points.object_x * 100, points.object_y * 100
     ax.scatter(*places, s=38, color="white", zorder=3, clip_on=False)
@@ -92,12 +86,6 @@ def seeds_bar(mesh: QuadMesh, axes: Sequence[Axes], seeds: int, least: int = 0, 
                             for count in counts])
     bar.ax.minorticks_off()
     bar.outline.set_linewidth(0.6)
-
-
-def _colours(seeds: int) -> dict:
-    """One colour for each of 0 to `seeds` successes, for rates that are multiples of 1 / seeds."""
-    half = 0.5 / seeds
-    return {"cmap": mpl.colormaps["cividis"].resampled(seeds + 1), "norm": Normalize(-half, 1 + half)}
 
 
 def _edges(centres: np.ndarray) -> np.ndarray:

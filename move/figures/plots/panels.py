@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
-import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from move.figures.plots.style import COLOURS, NAMES
+from move.figures.plots.style import COLOURS, NAMES, in_order
 
 SEEN = {"rgb": "from pixels", "keypoints": "from keypoints: perception given"}
-
-Strips = Mapping[str, tuple[np.ndarray, Sequence[int]]]  # title -> frames (count, size, size, 3), their timesteps
 
 
 def empty_panel(text: str, ax: Axes) -> None:
@@ -42,5 +39,5 @@ def key_under(ax: Axes, entry: Line2D) -> None:
 
 def methods_and_seeds(figure: Figure, rates: pd.DataFrame) -> None:
     """A legend over the figure: the methods' colours and what a white dot is."""
-    bars = [Patch(color=COLOURS[name], alpha=0.85, label=NAMES[name]) for name in COLOURS if name in set(rates.method)]
+    bars = [Patch(color=COLOURS[name], alpha=0.85, label=NAMES[name]) for name in in_order(rates.method)]
     figure.legend(handles=[*bars, seed_dot()], ncol=4, loc="outside upper center")

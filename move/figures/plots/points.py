@@ -8,10 +8,10 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FuncFormatter, MultipleLocator
+from matplotlib.ticker import MultipleLocator
 
-from move.figures.plots.axes import GREY, kept_apart, points_axis, rate_points, success_axis, task_axis
-from move.figures.plots.style import COLOURS, DIFFERENCES, LEAST_POINTS, MARKERS, NAMES
+from move.figures.plots.axes import errors, kept_apart, lines_axis, per_cent, points_axis, rate_points, success_axis
+from move.figures.plots.style import COLOURS, DIFFERENCES, GREY, LEAST_POINTS, MARKERS, NAMES, in_order
 from move.paper import PAPER_TASKS
 from move.sim.tasks import TASKS
 
@@ -30,9 +30,9 @@ def differences(table: pd.DataFrame, by: str, labels: list[str], ax: Axes, means
     """Differences MOVE minus another method with intervals, 0 marked; a column `paper` as diamonds.
 
     Args:
-        table: as `move.figures.tables.difference_table` gives it.
+        table: as `move.figures.tables.differences.difference_table` gives it.
         labels: what to call the values of `by`, in their order.
-        means: as `move.figures.tables.difference_means` gives them: drawn below the last item, under a line.
+        means: as `difference_means` there gives them: drawn below the last item, under a line.
     """
     if means is not None and len(means):
         names = [f"mean of {items}" for items in means["items"]]
@@ -44,14 +44,12 @@ def differences(table: pd.DataFrame, by: str, labels: list[str], ax: Axes, means
         rows = table[table.baseline == other]
         places = np.array([values.index(value) for value in rows[by]]) + (place - (len(others) - 1) / 2) * 0.4
         colour, marker = DIFFERENCES[other]
-        ends = [rows.difference - rows.low, rows.high - rows.difference]
-        ax.errorbar(rows.difference, places, xerr=ends, fmt=marker, ms=3.5, lw=1, capsize=1.5, color=colour,
-                    label=f"MOVE \N{MINUS SIGN} {NAMES[other]}")
+        ax.errorbar(rows.difference, places, xerr=errors(rows, "difference"), fmt=marker, ms=3.5, lw=1, capsize=1.5,
+                    color=colour, label=f"MOVE \N{MINUS SIGN} {NAMES[other]}")
         if "paper" in rows:
             ax.plot(rows.paper, places, "D", ms=3.5, mew=0.9, color=colour, mfc="white", zorder=4, clip_on=False,
                     label=f"MOVE \N{MINUS SIGN} {NAMES[other]}, paper")
-    ax.set_yticks(range(len(values)), labels)
-    ax.set_ylim(max(len(values), 1) - 0.5, -0.5)
+    lines_axis(labels, ax)
     points_axis(ax, "difference of success (points)")
 
 
@@ -69,8 +67,7 @@ def forest(table: pd.DataFrame, ax: Axes, above: bool = False) -> None:
         if not row.whole:
             ax.plot(row.value, place, "|", ms=5, mew=0.8, color=colour, alpha=0.6)
             continue
-        ax.errorbar(row.value, place, xerr=[[row.value - row.low], [row.high - row.value]], fmt="o", ms=3.5, lw=1.1,
-                    capsize=1.5, color=colour)
+        ax.errorbar(row.value, place, xerr=errors(row), fmt="o", ms=3.5, lw=1.1, capsize=1.5, color=colour)
         ax.plot(row.paper, place, "D", ms=3.5, mew=0.9, color="#444444", mfc="white", zorder=4)
     for place in np.flatnonzero(listed.figure != listed.figure.shift())[1:]:
         ax.axhline(place - 0.5 - 0.28 * above, color="#DDDDDD", lw=0.7)
@@ -112,8 +109,7 @@ def efficiencies(table: pd.DataFrame, ax: Axes) -> None:
     ax.set_xscale("log", base=2)
     ax.set_xticks([0.25, 0.5, 1, 2, 4], ["1/4", "1/2", "1", "2", "4"])
     ax.set_xlim(0.22, 4.6)
-    ax.set_yticks(range(len(table)), [TASKS[task].title for task in table.task])
-    ax.set_ylim(max(len(table), 1) - 0.5, -0.5)
+    lines_axis([TASKS[task].title for task in table.task], ax)
     ax.set_xlabel("static's timesteps / MOVE's, same success")
 
 
@@ -127,7 +123,7 @@ def task_rates(table: pd.DataFrame, controls: pd.DataFrame, ax: Axes) -> None:
             colour next to its point.
         controls: one row a task; columns "expert" (ceiling) and, where it exists, "goal-blind" (floor).
     """
-    tasks, methods = list(PAPER_TASKS), [name for name in COLOURS if name in set(table.method)]
+    tasks, methods = list(PAPER_TASKS), in_order(table.method)
     for place, task in enumerate(tasks):
         if task not in set(table.task):
             ax.annotate("missing", (place, 0.5), ha="center", va="center", rotation=90, fontsize=LEAST_POINTS,
@@ -144,7 +140,15 @@ def task_rates(table: pd.DataFrame, controls: pd.DataFrame, ax: Axes) -> None:
         if name in controls:
             ax.hlines(controls[name].reindex(tasks), np.arange(len(tasks)) - 0.42, np.arange(len(tasks)) + 0.42,
                       color="#444444", ls=style, lw=0.9, label=NAMES[name])
-    task_axis(tasks, ax)
+    _task_axis(tasks, ax)
+
+
+def _task_axis(tasks: Sequence[str], ax: Axes) -> None:
+    """A horizontal axis of tasks by their titles, broken at hyphens where many stand side by side."""
+    names = [TASKS[task].title for task in tasks]
+    ax.set_xticks(range(len(tasks)), [name.replace("-", "-\n") for name in names] if len(tasks) > 4 else names)
+    ax.set_xlim(-0.6, len(tasks) - 0.4)
+    success_axis(ax)
 
 
 def readings(table: pd.DataFrame, column: str, ax: Axes) -> None:
@@ -157,7 +161,7 @@ def readings(table: pd.DataFrame, column: str, ax: Axes) -> None:
     for (name, colour), shift in zip(READINGS.items(), (-0.2, 0.0, 0.2), strict=True):
         rows = table[table[column] == name].set_index("task").reindex(tasks)
         rate_points(np.arange(len(tasks)) + shift, rows, "adc", ax, name, colour=colour)
-    task_axis(tasks, ax)
+    _task_axis(tasks, ax)
 
 
 def own_and_elsewhere(table: pd.DataFrame, ax: Axes) -> None:
@@ -166,7 +170,7 @@ def own_and_elsewhere(table: pd.DataFrame, ax: Axes) -> None:
     Args:
         table: method, group ("grasp", "random" or "moving"), value, low, high; any group may be missing.
     """
-    methods = [name for name in COLOURS if name in set(table.method)]
+    methods = in_order(table.method)
     for method, shift in zip(methods, np.linspace(-0.12, 0.12, len(methods)) * (len(methods) > 1), strict=True):
         rows = table[table.method == method].set_index("group").reindex(list(PLACES)).dropna(subset="value")
         rate_points(np.array([list(PLACES).index(group) for group in rows.index]) + shift, rows, method, ax,
@@ -182,8 +186,8 @@ def changes(table: pd.DataFrame, ax: Axes) -> None:
     Args:
         table: as `move.figures.table_recipe.tables` gives it.
     """
-    _change_lines(table, table.value, table.low, table.high, ax)
-    ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{100 * value:.0f}"))
+    _change_lines(table, ax)
+    ax.xaxis.set_major_formatter(per_cent)
     ax.set(xlabel="success (%)", xlim=(0.4, 1.03))
 
 
@@ -197,7 +201,7 @@ def gains(table: pd.DataFrame, ax: Axes) -> None:
     """
     chosen = table.change == "chosen"
     low, high = (ends.mask(chosen, table.gain) for ends in (table.gain_low, table.gain_high))
-    _change_lines(table, table.gain, low, high, ax)
+    _change_lines(table.assign(value=table.gain, low=low, high=high), ax)
     ax.annotate("training", (1, 1), xycoords="axes fraction", xytext=(3, 2), textcoords="offset points", va="bottom",
                 fontsize=LEAST_POINTS, color="#444444")
     for place, minutes in enumerate(table.train_minutes):
@@ -206,12 +210,11 @@ def gains(table: pd.DataFrame, ax: Axes) -> None:
     points_axis(ax, "gain (points)")
 
 
-def _change_lines(table: pd.DataFrame, values: pd.Series, lows: pd.Series, highs: pd.Series, ax: Axes) -> None:
-    for place, (change, value, low, high) in enumerate(zip(table.change, values, lows, highs, strict=True)):
-        ax.errorbar(value, place, xerr=[[value - low], [high - value]], fmt="o", ms=3.5, lw=1, capsize=1.5,
-                    color="black" if change == "chosen" else GREY, clip_on=False)
-    ax.set_yticks(range(len(table)), table.change)
-    ax.set_ylim(len(table) - 0.5, -0.5)
+def _change_lines(table: pd.DataFrame, ax: Axes) -> None:
+    for place, row in enumerate(table.itertuples()):
+        ax.errorbar(row.value, place, xerr=errors(row), fmt="o", ms=3.5, lw=1, capsize=1.5,
+                    color="black" if row.change == "chosen" else GREY, clip_on=False)
+    lines_axis(table.change, ax)
 
 
 def covered(table: pd.DataFrame, column: str, ax: Axes, named: bool = False) -> None:
@@ -228,7 +231,7 @@ def covered(table: pd.DataFrame, column: str, ax: Axes, named: bool = False) -> 
         ax.plot(rows[column], rows.value, color="#bbbbbb", lw=0.8, zorder=1)
     for method, rows in table.groupby("method", sort=False):
         part = ~rows.moves.isin(["nothing", "jumps", "all"])
-        ax.errorbar(rows[column], rows.value, [rows.value - rows.low, rows.high - rows.value], fmt="none", lw=0.6,
+        ax.errorbar(rows[column], rows.value, errors(rows), fmt="none", lw=0.6,
                     ecolor=COLOURS[method], alpha=0.4, zorder=2)
         for shown, size, strength, name in ((rows[~part], 4.2, 1.0, NAMES[method]),
                                             (rows[part], 3.4, 0.5, f"{NAMES[method]}, some of its motions only")):
@@ -238,7 +241,7 @@ def covered(table: pd.DataFrame, column: str, ax: Axes, named: bool = False) -> 
     success_axis(ax)
     if named:
         _name_lines(table.sort_values(column).groupby("task").tail(1), column, ax)
-    ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{100 * value:.0f}"))
+    ax.xaxis.set_major_formatter(per_cent)
     ax.xaxis.set_major_locator(MultipleLocator(0.1 if table[column].min() >= 0.6 else 0.2))
     low = np.floor(table[column].min() / 0.2) * 0.2
     ax.set(xlabel="cells that the data visit (%)", xlim=(low - 0.02 * (1 - low), 1 + 0.04 * (1 - low)))

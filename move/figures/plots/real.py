@@ -1,15 +1,4 @@
-"""Plots of the real-robot table and data: functions of tidy tables and an Axes that read no disk.
-
-success_cells   success of the four cells with exact intervals, side by side
-brackets        p between the two methods at each budget
-score_cells     normalised scores, with the range that the successes alone leave open
-coverage_map    which cells of the half disc were visited
-paths           trajectories of the end effector over the half disc
-grasp_map       where demonstrations grasp, and where the next ones should
-joint_lines     one joint's angle over time
-speed_dots      speed of the moved object, one dot an episode
-object_map      where the object was seen in the image before its grasp
-"""
+"""Plots of the real-robot table and data: functions of tidy tables and an Axes that read no disk."""
 
 from __future__ import annotations
 
@@ -19,11 +8,12 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LinearSegmentedColormap, PowerNorm
 from matplotlib.patches import Patch, Rectangle, Wedge
-from matplotlib.ticker import FuncFormatter
 
-from move.figures.plots.style import COLOURS, LEAST_POINTS, MARKERS, NAMES
+from move.figures.plots.axes import errors, per_cent
+from move.figures.plots.style import COLOURS, LEAST_POINTS, MARKERS, NAMES, in_order
 from move.paper import REAL_RADIUS_M
 
+CELL_M = 0.05  # of `workspace.coverage`, along each side
 GOLDEN = 0.6180339887498949  # multiples of it spread evenly between 0 and 1
 
 
@@ -35,8 +25,7 @@ def success_cells(table: pd.DataFrame, ax: Axes) -> None:
     """
     for place, row in enumerate(table.itertuples()):
         ax.bar(place, row.rate, width=0.65, color=COLOURS[row.method], alpha=0.85, zorder=2)
-        ax.errorbar(place, row.rate, yerr=[[row.rate - row.low], [row.high - row.rate]], color="black", capsize=3,
-                    linewidth=1, zorder=3)
+        ax.errorbar(place, row.rate, errors(row, "rate"), color="black", capsize=3, linewidth=1, zorder=3)
         ax.text(place, row.high + 0.015, f"{row.successes}/{row.trials}", ha="center", va="bottom")
     _cells_axis(ax, table, "success (%)")
 
@@ -79,23 +68,23 @@ def score_cells(table: pd.DataFrame, ax: Axes) -> None:
 
 def _cells_axis(ax: Axes, table: pd.DataFrame, title: str) -> None:
     ax.set_xticks(range(len(table)), [f"{NAMES[row.method]}\n{row.timesteps:,}" for row in table.itertuples()])
-    ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{100 * value:.0f}"))
+    ax.yaxis.set_major_formatter(per_cent)
     ax.set(ylim=(0, 1), ylabel=title, xlim=(-0.6, len(table) - 0.4), xlabel="method and timesteps of demonstrations")
 
 
-def half_disc(ax: Axes, *, radius_m: float = REAL_RADIUS_M) -> Wedge:
+def half_disc(ax: Axes) -> Wedge:
     """Prepare an Axes as a view from above: the arm's base at the lower middle, x up, y to the left; its outline."""
-    outline = Wedge((0, 0), radius_m, 0, 180, facecolor="none", edgecolor="0.4", linewidth=1, zorder=3)
+    outline = Wedge((0, 0), REAL_RADIUS_M, 0, 180, facecolor="none", edgecolor="0.4", linewidth=1, zorder=3)
     ax.add_patch(outline)
     ax.plot(0, 0, marker="s", color="black", markersize=5, zorder=4, clip_on=False)
     ax.annotate("base", (0, 0), xytext=(5, 3), textcoords="offset points")
-    ax.set(xlim=(radius_m * 1.03, -radius_m * 1.03), ylim=(-0.02, radius_m * 1.03), aspect="equal")
+    edge = REAL_RADIUS_M * 1.03
+    ax.set(xlim=(edge, -edge), ylim=(-0.02, edge), aspect="equal")
     ax.set(xlabel="y (m), to the arm's left", ylabel="x (m)", xticks=[0.5, 0.25, 0, -0.25, -0.5], yticks=[0, 0.25, 0.5])
     return outline
 
 
-def coverage_map(cells: pd.DataFrame, ax: Axes, *, cell_m: float = 0.05, colour: str = COLOURS["move"]
-                 ) -> ScalarMappable:
+def coverage_map(cells: pd.DataFrame, ax: Axes, *, colour: str) -> ScalarMappable:
     """Fill the cells of the half disc by how often they were visited (square root, so that few visits still show).
 
     Args:
@@ -109,14 +98,14 @@ def coverage_map(cells: pd.DataFrame, ax: Axes, *, cell_m: float = 0.05, colour:
     most = max(int(cells["visits"].max()), 1) if len(cells) else 1
     shades = ScalarMappable(PowerNorm(0.5, 0, most), LinearSegmentedColormap.from_list("visits", ["white", colour]))
     for cell in cells.itertuples():
-        square = Rectangle((cell.y_m - cell_m / 2, cell.x_m - cell_m / 2), cell_m, cell_m, edgecolor="0.9",
+        square = Rectangle((cell.y_m - CELL_M / 2, cell.x_m - CELL_M / 2), CELL_M, CELL_M, edgecolor="0.9",
                            facecolor=shades.to_rgba(cell.visits), linewidth=0.4, zorder=1)
         ax.add_patch(square)
         square.set_clip_path(outline)
     return shades
 
 
-def paths(table: pd.DataFrame, ax: Axes, *, colour: str = COLOURS["move"]) -> None:
+def paths(table: pd.DataFrame, ax: Axes, *, colour: str) -> None:
     """Draw the end effector's way of each episode up to the grasp, and the grasp as a dot.
 
     Args:
@@ -168,7 +157,7 @@ def speed_dots(table: pd.DataFrame, ax: Axes) -> None:
     Args:
         table: columns method, mean_speed, unit (`tracking.object_speeds`).
     """
-    methods = [method for method in COLOURS if method in set(table["method"])]
+    methods = in_order(table["method"])
     for place, method in enumerate(methods):
         values = table.loc[table["method"] == method, "mean_speed"].dropna()
         if values.empty:  # a line without points would take the whole figure in its layout
@@ -182,7 +171,7 @@ def speed_dots(table: pd.DataFrame, ax: Axes) -> None:
     ax.set_ylim(bottom=0)
 
 
-def object_map(places: pd.DataFrame, ax: Axes, *, colour: str = COLOURS["move"]) -> None:
+def object_map(places: pd.DataFrame, ax: Axes, *, colour: str) -> None:
     """Draw where the orange was seen in the image, joined within an episode.
 
     Args:

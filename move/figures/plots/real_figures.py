@@ -1,10 +1,4 @@
-"""Whole figures of the real-robot data, laid out from the pieces of `real`; simulated data are headed as such.
-
-cells_figure    success and score of the four cells
-setup_figure    coverage, trajectories and frames of each method: figure 8
-grasp_figure    where demonstrations grasp, and where the next ones should
-object_figure   where the object was seen, and how fast it moved
-"""
+"""Whole figures of the real-robot data, as wide as a page; simulated data are headed as such."""
 
 from __future__ import annotations
 
@@ -20,7 +14,7 @@ from matplotlib.patches import Patch
 
 from move.figures.plots import maps, style
 from move.figures.plots import real as real_plots
-from move.figures.plots.style import COLOURS, NAMES, PAGE_WIDTH
+from move.figures.plots.style import COLOURS, NAMES, PAGE_WIDTH, in_order
 
 JOINTS_A_ROW = 6
 SIMULATED_TEXT = "Simulated data in the layout of real data: no robot was involved"
@@ -32,9 +26,6 @@ def cells_figure(table: pd.DataFrame, compared: pd.DataFrame) -> Figure:
     Args:
         table: `trials.real_table`.
         compared: `trials.comparisons`.
-
-    Returns:
-        A figure of two-column width.
     """
     figure, axes = plt.subplots(1, 2, figsize=(PAGE_WIDTH, 2.7))
     real_plots.success_cells(table, axes[0])
@@ -52,11 +43,8 @@ def object_figure(places: pd.DataFrame, speeds: pd.DataFrame, *, simulated: bool
     Args:
         places: `tracking.object_places`.
         speeds: `tracking.object_speeds`.
-
-    Returns:
-        A figure of two-column width.
     """
-    methods = [method for method in COLOURS if method in set(places["method"])]
+    methods = in_order(places["method"])
     figure, axes = plt.subplots(1, len(methods) + 1, figsize=(PAGE_WIDTH, 2.0), squeeze=False,
                                 width_ratios=[1.5] * len(methods) + [1])
     for method, ax in zip(methods, axes[0], strict=False):
@@ -78,9 +66,6 @@ def grasp_figure(places: Mapping[str, np.ndarray], proposed: Mapping[str, np.nda
         places: method, or "" for one that is not known -> (N, 2) m.
         proposed: the same method -> (K, 2) m, in order.
         simulated: whether to say so on the figure.
-
-    Returns:
-        A figure of two-column width, or of one column for one method.
     """
     width = PAGE_WIDTH if len(places) > 1 else style.COLUMN_WIDTH
     figure, axes = plt.subplots(1, len(places), figsize=(width, 3.2), squeeze=False)
@@ -94,8 +79,7 @@ def grasp_figure(places: Mapping[str, np.ndarray], proposed: Mapping[str, np.nda
 
 
 def setup_figure(cells: pd.DataFrame, steps: pd.DataFrame, strips: Mapping[str, tuple[np.ndarray, Sequence[str]]], *,
-                 simulated: bool, joints: pd.DataFrame | None = None, lacking: str = "", cell_m: float = 0.05
-                 ) -> Figure:
+                 simulated: bool, joints: pd.DataFrame | None = None, lacking: str = "") -> Figure:
     """Lay out Figure 8: for each method its trajectories, the cells visited, and below all of them frames.
 
     Of an arm whose hand's way is not known its joints over time are drawn.
@@ -107,12 +91,9 @@ def setup_figure(cells: pd.DataFrame, steps: pd.DataFrame, strips: Mapping[str, 
         simulated: whether to say so on the figure.
         joints: `workspace.joint_table`, of episodes without a trajectory.
         lacking: why some episodes have no trajectory (`workspace.why_no_positions`), said in a panel of its own.
-
-    Returns:
-        A figure of two-column width.
     """
-    methods = [method for method in COLOURS if method in set(cells["method"])]
-    shown = [method for method in COLOURS if method in strips]
+    methods = in_order(cells["method"])
+    shown = in_order(strips)
     shapes = [strips[method][0].shape for method in shown]
     heights = [0.95 * PAGE_WIDTH * h / (k * w) + 0.28 for k, h, w, _ in shapes]
     if not shown:
@@ -130,7 +111,7 @@ def setup_figure(cells: pd.DataFrame, steps: pd.DataFrame, strips: Mapping[str, 
         mine, way = cells[cells["method"] == method], steps[steps["method"] == method]
         left, right = figure.add_subplot(grid[row, 0]), figure.add_subplot(grid[row, 1])
         real_plots.paths(way, left, colour=COLOURS[method])
-        shades = real_plots.coverage_map(mine, right, cell_m=cell_m, colour=COLOURS[method])
+        shades = real_plots.coverage_map(mine, right, colour=COLOURS[method])
         figure.colorbar(shades, ax=right, fraction=0.03, label="timesteps in a cell")
         grasped = way.groupby(["part", "index"])["grasped"].any()
         axes += [left, right]

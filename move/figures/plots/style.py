@@ -6,7 +6,7 @@ import math
 import re
 import textwrap
 import zlib
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from io import BytesIO
 from pathlib import Path
 
@@ -39,6 +39,7 @@ NAMES = {name: method.title for name, method in METHODS.items()} | {
     "goal-blind": "goal-blind expert",
     "unknown": "unknown",
 }
+GREY = "#777777"  # of what is no method's
 COLUMN_WIDTH = 3.4  # inches, one column of a two-column page
 PAGE_WIDTH = 7.0  # inches
 LEAST_POINTS = 7.0  # no text in a figure is smaller
@@ -46,6 +47,12 @@ UNSEEN_LEVELS = 2  # of 255: a pixel that differs by no more looks the same
 MOST_PASSES = 40  # of the layout until nothing moves; about ten are enough
 STILL = 1e-9  # of the figure's width or height: axes that move by less have come to rest
 LETTERS = "abcdefghijklmnopqrstuvwxyz"
+
+
+def in_order(methods: Iterable[str]) -> list[str]:
+    """Methods, each once, in the order in which all figures have them."""
+    there = set(methods)
+    return [name for name in COLOURS if name in there]
 
 
 def use_style() -> None:
@@ -73,14 +80,6 @@ def titles(axes: Sequence[Axes], texts: Sequence[str]) -> None:
 def remark(figure: Figure, text: str) -> None:
     """Write a line under the figure that a reader must not miss, such as how many runs are not there."""
     figure.supxlabel(text, fontsize=LEAST_POINTS, color="#444444", x=0.01, ha="left")
-
-
-def changed(figure: Figure, text: str) -> None:
-    """Write over the figure how it differs from the shipped one of its name, in letters of 8.5 points.
-
-    The figure grows by the height of the text, so that its panels keep theirs.
-    """
-    heading(figure, text, "#B00000")
 
 
 def heading(figure: Figure, text: str, colour: str = "black") -> None:

@@ -2,35 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable
 
 import numpy as np
 import pandas as pd
 
 from move.figures.page.printed import ABSENT, readable
 from move.figures.plots.style import NAMES
+from move.figures.tables import points
 from move.statistics.cells import successes, training_noise
-from move.statistics.estimates import (
-    UNKNOWN,
-    Estimate,
-    TrainingNoise,
-    difference,
-    holm,
-    mean_difference,
-)
+from move.statistics.estimates import UNKNOWN, Estimate, TrainingNoise, difference, holm, mean_difference
 from move.statistics.over_tasks import over_tasks
 from move.statistics.verdicts import Finding, verdict
 
 Pair = tuple[np.ndarray, np.ndarray]
+OTHERS = ("static", "adc")  # what MOVE is compared with, where it is there
 COLUMNS = ("difference", "low", "high", "p", "holm", "trainings")
-VARIANTS = ("baseline", *COLUMNS)
 OVER_TASKS = ["baseline", "tasks", "mean_difference", "low", "high", "iqm_first", "iqm_second", "iqm_low", "iqm_high",
               "improvement", "improvement_low", "improvement_high", "p_value"]
 LEVEL = 0.05  # of a word such as "above": of all the words of one table together
 
 
-def difference_table(episodes: pd.DataFrame, by: str, others: tuple[str, ...] = ("static", "adc"),
-                     known: TrainingNoise = UNKNOWN) -> pd.DataFrame:
+def difference_table(episodes: pd.DataFrame, by: str, known: TrainingNoise = UNKNOWN) -> pd.DataFrame:
     """MOVE minus each other method, paired, one row a value of `by` and method: interval, p, and p after Holm.
 
     Holm's adjustment is over all values of `by`, for each other method apart. The noise of trainings is as in
@@ -41,7 +34,7 @@ def difference_table(episodes: pd.DataFrame, by: str, others: tuple[str, ...] = 
     """
     noise = training_noise(episodes, [by, "method"], known)
     rows: list[dict] = []
-    for other in others:
+    for other in OTHERS:
         rows += with_holm([{by: value, "baseline": other, **as_columns(difference(*pair, noise))}
                             for value, pair in _pairs(episodes, by, other)])
     table = pd.DataFrame(rows, columns=[by, "baseline", *COLUMNS])
@@ -49,10 +42,9 @@ def difference_table(episodes: pd.DataFrame, by: str, others: tuple[str, ...] = 
     return table.sort_values(by, key=lambda values: values.map(order), kind="stable", ignore_index=True)
 
 
-def differences_at(episodes: pd.DataFrame, at: str, by: str, others: tuple[str, ...] = ("static", "adc"),
-                   known: TrainingNoise = UNKNOWN) -> pd.DataFrame:
+def differences_at(episodes: pd.DataFrame, at: str, by: str, known: TrainingNoise = UNKNOWN) -> pd.DataFrame:
     """A `difference_table` for each value of column `at` by itself, one below the other."""
-    return pd.concat([difference_table(rows, by, others, known).assign(**{at: value})
+    return pd.concat([difference_table(rows, by, known).assign(**{at: value})
                       for value, rows in episodes.groupby(at)], ignore_index=True)
 
 
@@ -62,28 +54,27 @@ def joined(tables: Iterable[pd.DataFrame]) -> pd.DataFrame:
     return rows.assign(holm=holm(rows.p)) if len(rows) else rows
 
 
-def difference_means(episodes: pd.DataFrame, by: str, others: tuple[str, ...] = ("static", "adc"),
-                     known: TrainingNoise = UNKNOWN) -> pd.DataFrame:
+def difference_means(episodes: pd.DataFrame, by: str, known: TrainingNoise = UNKNOWN) -> pd.DataFrame:
     """The mean over the values of `by` of MOVE minus each other method: other trainings and configurations of these.
 
     A method that meets MOVE on fewer than two items has no row. Arguments as for `difference_table`.
     """
     noise = training_noise(episodes, [by, "method"], known)
     rows: list[dict] = []
-    for other in others:
+    for other in OTHERS:
         pairs = [pair for _, pair in _pairs(episodes, by, other)]
-        rows += [{"baseline": other, **_mean(pairs, noise)}] if len(pairs) > 1 else []
+        rows += [{"baseline": other, **mean_columns(pairs, noise)}] if len(pairs) > 1 else []
     return pd.DataFrame(rows, columns=["baseline", "items", *COLUMNS])
 
 
-def tasks_table(episodes: pd.DataFrame, others: tuple[str, ...] = ("static", "adc")) -> pd.DataFrame:
+def tasks_table(episodes: pd.DataFrame) -> pd.DataFrame:
     """MOVE against each other method with the task as the unit, one row a method: what other tasks might give.
 
     Columns baseline, and those of `move.statistics.over_tasks.OverTasks`; a method that meets MOVE on fewer than
     three tasks has no row.
     """
     rows = []
-    for other in others:
+    for other in OTHERS:
         pairs = [pair for _, pair in _pairs(episodes, "task", other)]
         rows += [{"baseline": other, **vars(over_tasks(pairs))}] if len(pairs) > 2 else []
     return pd.DataFrame(rows)
@@ -99,67 +90,40 @@ def _pairs(episodes: pd.DataFrame, by: str, other: str) -> list[tuple[object, Pa
     return pairs
 
 
-def reading_difference(episodes: pd.DataFrame, column: str, one: str, other: str,
-                       known: TrainingNoise = UNKNOWN) -> pd.Series:
-    """Mean over the tasks that have both of the rate of variant `one` minus that of `other`; empty where none has.
+def variant_table(
+    episodes: pd.DataFrame, by: list[str], column: str, pairs: Callable[[pd.DataFrame], Iterable[tuple]],
+    known: TrainingNoise = UNKNOWN,
+) -> pd.DataFrame:
+    """Variants of one method against each other: a row a pair of values of `column` that are there, for each of `by`.
 
-    The variants are named in `column`. Entries items and `COLUMNS`, as in `difference_means`.
-    """
-    noise, pairs = training_noise(episodes, ["task", column], known), []
-    for _, group in episodes.groupby("task", sort=False):
-        cells = {name: successes(part) for name, part in group.groupby(column)}
-        pairs += [(cells[one], cells[other])] if {one, other} <= set(cells) else []
-    return pd.Series(_mean(pairs, noise) if pairs else {}, dtype=object)
-
-
-def reading_differences(episodes: pd.DataFrame, by: str, column: str, other: str, ones: list[str],
-                        known: Mapping[str, TrainingNoise] | None = None) -> pd.DataFrame:
-    """`reading_difference` of each of the variants `ones` against `other`, one row a value of `by` that has both.
+    Each is the first minus the second, which stands in the column `baseline`. Holm's adjustment is over the rows of
+    one group. Columns `by`, `column`, baseline and `COLUMNS`.
 
     Args:
-        known: value of `by` -> its training noise, where something is known.
+        pairs: takes the episodes of a group of `by`.
     """
-    rows = [{by: value, column: one, "baseline": other, **found} for value, part in episodes.groupby(by, sort=False)
-            for one in ones
-            if len(found := reading_difference(part, column, one, other, (known or {}).get(str(value), UNKNOWN)))]
-    return pd.DataFrame(rows, columns=[by, column, "baseline", "items", *COLUMNS])
-
-
-def variant_rows(
-    episodes: pd.DataFrame, column: str, pairs: Iterable[tuple], known: TrainingNoise = UNKNOWN,
-    named: Mapping[str, object] | None = None,
-) -> list[dict]:
-    """Variants of one method against each other: a row a pair of values of `column` that are there, with `VARIANTS`.
-
-    Each is the first minus the second, which stands in the column `baseline`; Holm's adjustment is over these rows.
-
-    Args:
-        named: columns that all rows have besides.
-    """
-    cells: dict[object, np.ndarray] = {value: successes(rows) for value, rows in episodes.groupby(column)}
-    noise = training_noise(episodes, [column, "method"], known)
-    there = [pair for pair in pairs if set(pair) <= set(cells)]
-    return with_holm([{**(named or {}), column: one, "baseline": other,
-                       **as_columns(difference(cells[one], cells[other], noise))} for one, other in there])
+    rows: list[dict] = []
+    for key, group in episodes.groupby(by, sort=False) if by else [((), episodes)]:
+        cells: dict[object, np.ndarray] = {value: successes(part) for value, part in group.groupby(column)}
+        noise = training_noise(group, [column, "method"], known)
+        rows += with_holm([
+            {**dict(zip(by, key, strict=True)), column: one, "baseline": other,
+             **as_columns(difference(cells[one], cells[other], noise))}
+            for one, other in pairs(group) if {one, other} <= set(cells)])
+    return pd.DataFrame(rows, columns=[*by, column, "baseline", *COLUMNS])
 
 
 def difference_text(row: pd.Series) -> str:
     """A row of `difference_table` in words: "+12 points [+3, +21], above 0"; the word holds after Holm's adjustment."""
     clear = row.holm < LEVEL
     word = "not distinguishable from 0" if not clear else "above 0" if row.difference > 0 else "below 0"
-    return f"{points(row.difference)} points [{points(row.low)}, {points(row.high)}], {word}"
-
-
-def rates_text(rates: pd.DataFrame, column: str = "value") -> str:
-    """A table of one rate a method in words: "static 79.2%, MOVE 91.7%"."""
-    return ", ".join(f"{NAMES[method]} {value:.1%}" for method, value in zip(rates.method, rates[column], strict=True)
-                     ) or "nothing is computed yet"
+    return f"{interval_text(row, ' points')}, {word}"
 
 
 def difference_brief(row: pd.Series) -> str:
     """A row in a few words: "+13 [+10, +16], above 0"; no word where it is not distinguishable from 0 after Holm's."""
     word = ("", ", below 0", ", above 0")[int(row.holm < LEVEL) * (1 + int(row.difference > 0))]
-    return f"{points(row.difference)} [{points(row.low)}, {points(row.high)}]{word}"
+    return f"{interval_text(row)}{word}"
 
 
 def with_verdicts(table: pd.DataFrame, rates: pd.DataFrame, by: list[str]) -> pd.DataFrame:
@@ -177,9 +141,8 @@ def with_verdicts(table: pd.DataFrame, rates: pd.DataFrame, by: list[str]) -> pd
 
 def verdicts_text(table: pd.DataFrame, by: str) -> str:
     """A table `with_verdicts` in words: of each row its name in column `by`, the difference in points, the verdict."""
-    return "; ".join(
-        f"{row[by]} {points(row.difference)} [{points(row.low)}, {points(row.high)}]: {row.verdict}"
-        for _, row in table.iterrows()) or "nothing to compare yet"
+    return "; ".join(f"{row[by]} {interval_text(row)}: {row.verdict}"
+                     for _, row in table.iterrows()) or "nothing to compare yet"
 
 
 def difference_verdict(row: pd.Series, baseline: float, paper_half_width: float = 0.0) -> str:
@@ -194,29 +157,35 @@ def difference_verdict(row: pd.Series, baseline: float, paper_half_width: float 
                             paper_half_width=paper_half_width)])
 
 
-def points(difference: float) -> str:
-    """A difference of rates in whole points with its sign; never "-0"."""
-    return f"{round(100 * difference):+d}"
+def interval_text(row, unit: str = "") -> str:
+    """A row with a difference in whole points, and its interval: "+13 [+10, +16]"."""
+    return f"{points(row.difference)}{unit} [{points(row.low)}, {points(row.high)}]"
+
+
+def clear_counts(table: pd.DataFrame) -> dict[str, int]:
+    """Of comparisons with a column holm, how many are above 0, below, and neither."""
+    clear = table[table.holm < LEVEL].difference
+    above, below = int((clear > 0).sum()), int((clear < 0).sum())
+    return {"above": above, "below": below, "neither": len(table) - above - below}
 
 
 def counts_text(table: pd.DataFrame) -> str:
-    """Of comparisons with a column holm, how many are above 0 and how many below, in words."""
-    clear = table[table.holm < LEVEL]
-    above = int((clear.difference > 0).sum())
-    return (f"{above} of {len(table)} are above 0, {len(clear) - above} below, {len(table) - len(clear)} not "
+    """`clear_counts` in words."""
+    counts = clear_counts(table)
+    return (f"{counts['above']} of {len(table)} are above 0, {counts['below']} below, {counts['neither']} not "
             "distinguishable from it")
 
 
 def means_text(means: pd.DataFrame) -> str:
     """A table of `difference_means` in words: "MOVE minus static +13 points [+10, +16], minus ADC +8 [+4, +11]"."""
-    each = [f"minus {NAMES[row.baseline]} {points(row.difference)}{' points' * (place == 0)} "
-            f"[{points(row.low)}, {points(row.high)}]" for place, row in enumerate(means.itertuples())]
+    each = [f"minus {NAMES[row.baseline]} {interval_text(row, ' points' * (place == 0))}"
+            for place, row in enumerate(means.itertuples())]
     return f"MOVE {', '.join(each)}" if each else "nothing to compare yet"
 
 
 def above_text(table: pd.DataFrame) -> str:
     """On how many rows of a `difference_table` MOVE is above each other method after Holm's adjustment, in words."""
-    return ", ".join(f"above {NAMES[other]} on {((rows.holm < LEVEL) & (rows.difference > 0)).sum()} of {len(rows)}"
+    return ", ".join(f"above {NAMES[other]} on {clear_counts(rows)['above']} of {len(rows)}"
                      for other, rows in table.groupby("baseline", sort=False)) or "compared with nothing yet"
 
 
@@ -236,17 +205,11 @@ def summary(table: pd.DataFrame, means: pd.DataFrame, tasks: pd.DataFrame | None
         means: its `difference_means`.
         tasks: its `tasks_table`.
     """
-    counts = []
-    for other, rows in table.groupby("baseline", sort=False):
-        clear = rows[rows.holm < LEVEL]
-        above = int((clear.difference > 0).sum())
-        counts.append({"baseline": other, "above": above, "below": len(clear) - above,
-                       "neither": len(rows) - len(clear)})
+    counts = [{"baseline": other, **clear_counts(rows)} for other, rows in table.groupby("baseline", sort=False)]
     text = readable(pd.DataFrame(counts))
     heads = {"Difference (points)": "Mean difference (points)", "Mean (points)": "Over other tasks (points)",
              "p": "p, over tasks"}
-    chosen = [(means, ["baseline", "difference", "low", "high"]), (tasks, OVER_TASKS)]
-    for more, columns in chosen:
+    for more, columns in ((means, ["baseline", "difference", "low", "high"]), (tasks, OVER_TASKS)):
         if more is not None and len(more) and counts:
             text = text.merge(readable(more[columns]).rename(columns=heads), on="Against", how="left")
     return text.fillna(ABSENT)
@@ -258,7 +221,7 @@ def as_columns(found: Estimate) -> dict[str, float | str]:
             "trainings": found.trainings}
 
 
-def _mean(pairs: list[Pair], noise: TrainingNoise) -> dict:
+def mean_columns(pairs: list[Pair], noise: TrainingNoise) -> dict:
     """A row of `difference_means`: the mean over pairs; it is one comparison, and Holm leaves it as it is."""
     mean = mean_difference(pairs, noise)
     return {"items": len(pairs), **as_columns(mean), "holm": mean.p_value}
