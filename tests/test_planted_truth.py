@@ -80,15 +80,15 @@ class Rates:
     columns: tuple[str, ...]
     fixed: Row = field(default_factory=dict)
     place: str = ""  # or the column that names it
-    noise: str = "rgb"  # how trainings differ: "rgb", "keypoints", the same with " grid", or "own": in its own cells
+    noise: str = "rgb"  # how trainings differ: "rgb", "keypoints", or the same with " grid"
     more: Callable[[Row], Row] = lambda row: {}
 
     def wanted(self, row: Row) -> Row:
         return {**self.fixed, **{name: row[name] for name in self.columns}, **self.more(row)}
 
     def law(self, row: Row) -> str:
-        grid = " grid" * (str(row.get("experiment", row.get("where"))).startswith("figure"))
-        return row["observation"] + grid if "observation" in row else self.noise
+        part = row.get("experiment", row.get("where", row.get("case")))
+        return row.get("observation", self.noise) + " grid" * str(part).startswith("figure")
 
     def cell(self, world: World, row: Row) -> np.ndarray:
         return world.cell(self.figure, row[self.place] if self.place in row else self.place, **self.wanted(row))
@@ -231,7 +231,7 @@ RATES = {
                                     noise="keypoints"),
     "table_keypoint_control_larger": Rates("table_keypoint_control", ("method", "task"), {"timesteps": 10_000},
                                            noise="keypoints"),
-    "gap": Rates("gap", ("method",), {}, "", "own", setting),
+    "gap": Rates("gap", ("method",), {}, "", "rgb", setting),
 }
 NOT_AT_POINTS = ("fig_perception", "gap", "radius_cells")  # which tries grids alone where there are points, too
 
@@ -252,13 +252,9 @@ def cell(world: World, name: str, row: Row) -> np.ndarray:
     return rates.cell(world, row)[: 3 if row.get("claim") == 7 else None]  # whose side claim 25 has more seeds of
 
 
-def noise(world: World, kind: str, cells: Sequence[np.ndarray] = ()) -> estimates.TrainingNoise:
-    """How much trainings differ: the law of all repeated ones like these, or of the cells given."""
-    return estimates.training_noise_of(cells) if kind == "own" else _law(world, kind)
-
-
 @functools.cache
-def _law(world: World, kind: str) -> estimates.TrainingNoise:
+def noise(world: World, kind: str) -> estimates.TrainingNoise:
+    """How much trainings differ: the law of all repeated ones like these."""
     seen, _, grid = kind.partition(" ")
     repeated: dict[str, dict[int, list[bool]]] = {}
     for spec in {spec for name in REPEATED for spec in world.specs[name] if spec.kind == "policy"}:
@@ -277,7 +273,7 @@ def test_every_rate_of_a_table_is_what_was_planted_there(world, name):
     assert rows, "no row"
     for row, planted in zip(rows, cells, strict=True):
         assert row["value"] == pytest.approx(planted.mean(), abs=ROUNDED), row
-        expected = estimates.success_rate(planted, noise(world, RATES[name].law(row), cells))
+        expected = estimates.success_rate(planted, noise(world, RATES[name].law(row)))
         assert (row["low"], row["high"]) == pytest.approx((expected.low, expected.high), abs=ROUNDED), row
         if "seeds" in row:
             seeds = [float(each) for each in str(row["seeds"]).split()]
@@ -380,10 +376,8 @@ def test_every_difference_is_the_first_cell_minus_the_second(world, name):
     found: dict[tuple, list[tuple[Row, float]]] = {}
     for row in rows:
         one, other = table.cells(world, row)
-        pooled = [each for like in rows if like.get("case") == row.get("case") for each in table.cells(world, like)]
-        known = noise(world, RATES[table.rates].law(row), pooled)
         compare = estimates.difference if table.paired else estimates.unpaired_difference
-        expected = compare(one, other, known)
+        expected = compare(one, other, noise(world, RATES[table.rates].law(row)))
         assert row["difference"] == pytest.approx(one.mean() - other.mean(), abs=ROUNDED), row
         ends = (expected.low, expected.high, expected.p_value)
         assert (row["low"], row["high"], row["p"]) == pytest.approx(ends, abs=ROUNDED), row

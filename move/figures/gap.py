@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Annotated, Any
 
@@ -139,12 +139,12 @@ def _run(
 def tables(data: Data) -> dict[str, pd.DataFrame]:
     """Success under each setting and what switching it does, the steps to the paper, and MOVE's lead."""
     tried = data.episodes[data.episodes.group != "point"]
-    theirs = published_rates(tried)
-    rates = gap_table(tried).merge(theirs, on=["case", "method"])
-    return {"": rates, "steps": waterfall(rates), "leads": lead_table(tried, theirs)}
+    theirs, noises = published_rates(tried), {case: data.noise(grid=case == GRASPS) for case in tried.case.unique()}
+    rates = gap_table(tried, noises).merge(theirs, on=["case", "method"])
+    return {"": rates, "steps": waterfall(rates), "leads": lead_table(tried, theirs, noises)}
 
 
-def gap_table(episodes: pd.DataFrame) -> pd.DataFrame:
+def gap_table(episodes: pd.DataFrame, noises: Mapping[str, TrainingNoise]) -> pd.DataFrame:
     """One row a case, method and setting: success under it, and what switching it alone does to success.
 
     `effect` is the rate under the setting minus that under the package's protocol, paired at the configurations that
@@ -152,9 +152,11 @@ def gap_table(episodes: pd.DataFrame) -> pd.DataFrame:
 
     Args:
         episodes: as `move.study.results.table` gives them, with the labels `case` and `setting`; no training points.
+        noises: how much trainings vary, by case; unknown where the profile's runs do not say.
     """
-    noise, rows = training_noise(episodes, ["case", "setting", "method"]), []
+    rows: list[dict] = []
     for (case, method), group in episodes.groupby(["case", "method"], sort=False):
+        noise = training_noise(episodes, ["case", "setting", "method"], noises[case])
         cells = {name: successes(part) for name, part in group.groupby("setting", sort=False)}
         for name in sorted(cells, key=_order):
             rate = success_rate(cells[name], noise)
@@ -223,14 +225,17 @@ def waterfall(table: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=["case", "method", "step", "start", "change", "low", "high"])
 
 
-def lead_table(episodes: pd.DataFrame, theirs: pd.DataFrame) -> pd.DataFrame:
+def lead_table(
+    episodes: pd.DataFrame, theirs: pd.DataFrame, noises: Mapping[str, TrainingNoise]
+) -> pd.DataFrame:
     """MOVE minus static under each setting, paired: the columns of `difference_table`, with case, and paper's in paper.
 
     Args:
         theirs: as `published_rates` gives them.
+        noises: as in `gap_table`.
     """
     published = theirs.pivot(index="case", columns="method", values="paper")
-    parts = [difference_table(group, "setting").assign(
+    parts = [difference_table(group, "setting", noises[case]).assign(
         case=case, paper=published.move[case] - published.static[case])
         for case, group in episodes.groupby("case", sort=False)]
     return pd.concat(parts, ignore_index=True)
