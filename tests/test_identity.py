@@ -24,7 +24,7 @@ from move.figures.page import captions, parameters
 from move.learn.dataset import load, save
 from move.learn.train import train
 from move.sim.demonstrations import Demonstrations, fingerprint
-from move.study import cluster, execute, policies, provenance, results, run, verify
+from move.study import cluster, execute, policies, provenance, results, run, seals, verify
 from move.study.kinds import collector_run, control_run, policy_run
 from move.study.profiles import Profile, load_profile
 from move.study.spec import PolicyRun
@@ -209,7 +209,7 @@ def test_verify_all_names_a_policy_without_a_run_and_what_is_no_policy(shipped, 
     spec, result = SHIPPED[0], tmp_path / f"{SHIPPED[0].hash}.json"
     other = spec.model_copy(update={"seed": 9})
     shutil.copytree(shipped(spec), shipped(other))
-    policies.seal(other, shipped(other))
+    seals.seal(other, shipped(other))
     (tmp_path / "policies/notes.txt").write_text("a note")
     code, out, _ = move(capsys, "verify", "--all", "--json")
     found = {row["file"]: row["difference"] for row in json.loads(out) if not row["same"]}
@@ -224,7 +224,7 @@ def test_a_policy_under_a_fitting_seal_still_has_to_have_the_runs_settings(shipp
     spec = SHIPPED[0]
     other = spec.model_copy(update={"training": spec.training.model_copy(update={"learning_rate": 0.1})})
     shutil.copytree(shipped(spec), shipped(other))
-    policies.seal(other, shipped(other))
+    seals.seal(other, shipped(other))
     with pytest.raises(BadInput, match="other settings, seed or task"):
         policies.trained_policy(other, LAPTOP)
 

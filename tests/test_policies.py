@@ -1,6 +1,7 @@
 """Shipped policies: what they did in the episodes of the films, recorded beside them."""
 
 import json
+import shutil
 
 import numpy as np
 import pandas as pd
@@ -16,7 +17,7 @@ from move.learn.agents import PolicyAgent, Recorded
 from move.learn.evaluation import Evaluation, starts
 from move.machine import gl_problem
 from move.sim.tasks import get_task
-from move.study import policies
+from move.study import policies, seals
 from move.study.profiles import Profile, load_profile
 
 LAPTOP = load_profile("laptop")
@@ -63,10 +64,10 @@ def test_a_run_whose_policy_cannot_be_tried_is_one_line(given, why, capsys):
                                      {"3": np.zeros((0, 4))}, {"3": np.zeros(4)}])
 def test_a_damaged_record_of_episodes_is_one_clear_line(content, tmp_path, monkeypatch):
     spec = SPECS[0]
-    monkeypatch.setattr(Profile, "results", property(lambda profile: tmp_path))
     path = tmp_path / "policies" / spec.policy_hash / policies.EPISODES
-    path.parent.mkdir(parents=True)
+    shutil.copytree(LAPTOP.results / "policies" / spec.policy_hash, path.parent)
+    monkeypatch.setattr(Profile, "results", property(lambda profile: tmp_path))
     save_file(content, path) if isinstance(content, dict) else path.write_bytes(content)
-    policies.seal(spec, path.parent)
+    seals.seal(spec, path.parent)
     with pytest.raises(BadInput, match=r"episodes.safetensors: .*; allowed is what tools/record_episodes.py writes"):
         policies.recorded_episodes(spec, LAPTOP)

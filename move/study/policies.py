@@ -1,13 +1,10 @@
 """Trained policies: the few that are shipped next to the results, and those that runs left on this machine.
 
-Next to a finished policy, `policy.json` says of which run it is and holds the sha256 of every other file of its folder.
-Without it, or where something does not fit, the policy is refused.
+Each is sealed as the policy of its run (`move.study.seals`); one that is not is refused.
 """
 
 from __future__ import annotations
 
-import hashlib
-import json
 from collections.abc import Callable
 from pathlib import Path
 
@@ -19,14 +16,13 @@ from move import paths
 from move.errors import BadInput
 from move.files import written_aside
 from move.learn.agents import Agent, PolicyAgent, Recorded
-from move.learn.checkpoint import Checkpoint, UnusableCheckpoint, policy_of, read
+from move.learn.checkpoint import Checkpoint, policy_of, read
 from move.learn.diffusion import DiffusionPolicy
 from move.study.profiles import Profile
 from move.study.results import find
+from move.study.seals import refuse_another, seal
 from move.study.spec import PolicyRun, RunSpec
-from move.untrusted import read_json
 
-SEAL = "policy.json"
 EPISODES = "episodes.safetensors"  # next to a shipped policy: what it did in some of its evaluation's episodes
 ATLAS = "atlas.safetensors"  # the same at places of figure 1's map, see tools/record_atlas.py
 
@@ -65,46 +61,15 @@ def of_run(name: str, profile: Profile) -> tuple[PolicyRun, DiffusionPolicy]:
     return spec, trained_policy(spec, profile)
 
 
-def seal(spec: RunSpec, folder: Path) -> None:
-    """Write next to a policy of which run it is, and what its files are."""
-    with written_aside(folder / SEAL) as beside:
-        beside.write_text(json.dumps({"run": spec.policy_hash, "sha256": _digests(folder)}, indent=1) + "\n")
-
-
-def _digests(folder: Path) -> dict[str, str]:
-    """The sha256 of each file of a policy's folder, but for the seal and what a training leaves while it lasts."""
-    files = (path for path in sorted(folder.iterdir()) if path.suffix in (".json", ".safetensors") and path.name != SEAL
-             and not path.name.startswith("."))
-    return {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in files}
-
-
-def refuse_other_files(spec: RunSpec, folder: Path) -> None:
-    """Refuse a folder that is not, to the last bit, what was sealed as the policy of the run `spec`.
-
-    Raises:
-        BadInput: no seal, that of another run, or a file that is missing, more, or changed.
-    """
-    path = folder / SEAL
-    about = read_json(path, "of which run a policy is, and its files' digests") if path.exists() else {}
-    sealed, there = about.get("sha256"), _digests(folder)
-    if about.get("run") != spec.policy_hash or not isinstance(sealed, dict):
-        raise BadInput(f"{folder} is not the policy of {spec.label}, run {spec.policy_hash}: its {SEAL} says "
-                       f"{about.get('run', 'nothing')}")
-    if differing := sorted(name for name in there.keys() | sealed.keys() if there.get(name) != sealed.get(name)):
-        raise BadInput(f"{folder / differing[0]} does not fit its digest in {SEAL}: damaged, or another policy's")
-
-
 def sealed(spec: RunSpec, folder: Path) -> Checkpoint:
     """What a folder holds as the finished policy of the run `spec`.
 
     Raises:
-        BadInput: what `refuse_other_files` refuses, or a policy that is not, or not yet, that of `spec`.
+        BadInput: what `refuse_another` refuses, or a damaged checkpoint.
     """
-    refuse_other_files(spec, folder)
+    refuse_another(spec, folder)
     saved = read(folder)
-    if saved is None or not isinstance(spec, PolicyRun) or not saved.finished or (
-            saved.training, saved.seed, saved.task) != (spec.training, spec.seed, spec.task):
-        raise UnusableCheckpoint(f"{folder}: other settings, seed or task than those of {spec.label}, or unfinished")
+    assert saved is not None
     return saved
 
 
@@ -130,7 +95,7 @@ def recorded_episodes(spec: RunSpec, profile: Profile, name: str = EPISODES) -> 
     path = _shipped(spec, profile) / name
     if not path.parent.exists():
         return {}
-    refuse_other_files(spec, path.parent)
+    refuse_another(spec, path.parent)
     if not path.exists():
         return {}
     try:

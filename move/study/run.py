@@ -29,9 +29,9 @@ from move.sim.configuration import SpatialConfiguration
 from move.sim.motion.adc import Jumping
 from move.sim.observe import KEYPOINTS, ObservationSpec
 from move.sim.tasks import get_task
-from move.study.policies import seal
 from move.study.provenance import provenance, source
 from move.study.results import Result, load, store
+from move.study.seals import seal
 from move.study.spec import RESULTS_VERSION, CollectionRun, ControlRun, PolicyRun, RunSpec
 
 _UNDER_WAY = threading.Lock()  # held by the run of this process

@@ -17,6 +17,7 @@ from move.statistics.intervals import wilson_interval
 from move.study.execute import PART_SHARE
 from move.study.provenance import versions_elsewhere
 from move.study.results import NOT_COMPUTED, Result, load_named, split
+from move.study.seals import refuse_another
 from move.study.spec import PolicyRun, RunSpec
 
 LIKE = ("processor", "cpu_capability", "accelerator", "gl_renderer")
@@ -133,11 +134,9 @@ def check_files(folder: Path) -> list[dict[str, Any]]:
             runs[spec.policy_hash] = spec
 
     def load_policy(place: Path) -> None:
-        from move.study.policies import sealed  # slow to import
-
         if place.name not in runs:
             raise BadInput(f"{place}: no usable result in {folder} is of a run with this policy")
-        sealed(runs[place.name], place)
+        refuse_another(runs[place.name], place)
 
     rows = [{"file": path.name, **_check(load_run, path)} for path in files]
     return rows + [{"file": f"policies/{place.name}", **_check(load_policy, place)}
