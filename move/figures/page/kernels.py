@@ -117,7 +117,10 @@ def _import_all(asked: Sequence[str]) -> None:
     """Import what the notebooks and their kernels need, so that forks have it."""
     sys.modules.setdefault("rfc3987_syntax", None)  # type: ignore[arg-type]  # nbformat would build its grammars: 1.5 s
     import ipykernel.kernelapp  # noqa: F401
+    import matplotlib.backends.backend_pdf  # noqa: F401
+    import pandas.io.formats.style  # noqa: F401
     import papermill  # noqa: F401
+    import seaborn  # noqa: F401
 
     from move.figures.page import make  # noqa: F401
 
