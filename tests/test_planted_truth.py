@@ -1472,6 +1472,47 @@ def test_a_caption_counts_its_own_runs_seeds_and_episodes(world, figure):
     assert ("pixels" in text.split("**What")[0], "keypoints (" in text) == ("rgb" in seen, "keypoints" in seen)
 
 
+DIFFERENCE_SAID = re.compile(r"([+-]\d+)(?: points)? \[([+-]\d+), ([+-]\d+)\]"
+                             r"(, above 0|, below 0|, not distinguishable from 0)?")
+RATE_SAID = re.compile(r"\b(static|ADC|MOVE) (\d+(?:\.\d+)?) ?%")
+
+
+def tables_of(world: World, figure: str) -> list[pd.DataFrame]:
+    world.show(figure)
+    return [pd.read_csv(path) for path in (world.folder / "paper_figures").glob(f"{figure}*.csv")]
+
+
+@pytest.mark.parametrize("figure", sorted({rates.figure for rates in RATES.values()}))
+def test_a_difference_in_a_caption_has_the_interval_and_the_word_of_one_row(world, figure):
+    """ "+12 points [+2, +22], above 0": some row has that difference and interval, and its p after Holm agrees."""
+    rows = [[*(100 * row[name] for name in columns), row.get("holm", np.nan)] for table in tables_of(world, figure)
+            for columns in (("difference", "low", "high"), ("gain", "gain_low", "gain_high"),
+                            ("effect", "effect_low", "effect_high")) if set(columns) <= set(table)
+            for row in table.to_dict("records")]
+    for told in DIFFERENCE_SAID.finditer(world.text(f"{figure}.caption.md")):
+        numbers, word = [int(number) for number in told.groups()[:3]], (told[4] or "").removeprefix(", ")
+        same = [row for row in rows if np.allclose(row[:3], numbers, rtol=0, atol=0.5 + 100 * ROUNDED)]
+        words = {"not distinguishable from 0" if not row[3] < 0.05 else "above 0" if row[0] > 0 else "below 0"
+                 for row in same}
+        assert same and (not word or word in words), told[0]
+
+
+@pytest.mark.parametrize("figure", sorted({rates.figure for rates in RATES.values()}))
+def test_a_rate_in_a_caption_is_that_methods_in_a_table_or_in_the_paper(world, figure):
+    """Or the mean over the rows of a table."""
+    ours, theirs = {}, 100 * PAPER.query("metric in ('success', 'mean_success')").set_index("method").value
+    for table in tables_of(world, figure):
+        for column in {"value", "own", "elsewhere", "in_motion", "rate"} & set(table if "method" in table else ()):
+            for method, values in table.groupby("method")[column]:
+                ours.setdefault(method, []).extend([*(100 * values), 100 * values.mean()])
+    text = re.split(r"\*\*(?:What came out|Alternative text)\.\*\*", world.text(f"{figure}.caption.md"))[1]
+    for part, known in zip(text.partition("Here")[::2], (theirs, ours), strict=True):
+        for name, number in RATE_SAID.findall(part):
+            method = next(key for key, named in NAMES.items() if named == name)
+            half = 0.5 / 10 ** len(number.partition(".")[2]) + 100 * ROUNDED
+            assert np.isclose(known[method], float(number), rtol=0, atol=half).any(), (name, number)
+
+
 # verdicts ------------------------------------------------------------------------------------------------------------
 
 Values = list[tuple[str, float]]  # a word of what is counted, and its number
@@ -1699,6 +1740,36 @@ def test_a_claims_numbers_are_what_was_planted_and_its_verdict_follows(place, nu
         assert sizes == {verdict.removeprefix("reproduced, ")}, entry["numbers"]
     else:
         assert verdict == "reproduced", entry["numbers"]
+
+
+INTERVALS: dict[int, tuple[str, dict[str, str]]] = {  # a claim's number -> the table of the same differences, its rows
+    1: ("table2_main_differences_mean", {"baseline": "static"}),
+    2: ("table2_main_differences", {"baseline": "static"}), 3: ("table2_main_differences", {"baseline": "adc"}),
+    4: ("table2_main_differences_mean", {"baseline": "adc"}), 12: ("fig1_sparse_difference", {"hand": "anywhere"}),
+    15: ("fig3_dense_difference", {"hand": "anywhere"}),
+    16: ("fig5_circle_differences", {"hand": "anywhere", "where": "inside"}),
+    17: ("fig5_circle_differences", {"hand": "anywhere", "where": "outside"}),
+    18: ("table1_spatial_factors_lost", {"factors": "all"}),
+    24: ("generalization_differences", {"baseline": "static"}), 25: ("fig_speed_law_others", {}),
+}
+OTHER_SIDE_FIRST = (18, 25)  # claims that are above 0 where the table's row is below
+
+
+@pytest.mark.parametrize("number", INTERVALS)
+def test_a_claims_intervals_are_those_of_the_figures_own_table(world, number):
+    name, only = INTERVALS[number]
+    entry = ledger(world)[number]
+    world.show(entry["figure"])
+    rows = [row for row in world.table(name).to_dict("records") if all(row[key] == only[key] for key in only)]
+    numbers = [each for each in entry["numbers"] if "relative" not in each["what"]]
+    for each, row in zip(numbers, rows, strict=True):
+        found = each["value"], each["low"], each["high"]
+        if number in OTHER_SIDE_FIRST:
+            found = -each["value"], -each["high"], -each["low"]
+        assert found == pytest.approx((row["difference"], row["low"], row["high"]), abs=1.1 * ROUNDED), each
+    if number == 1:
+        assert set(entry["runs"]) == {run.spec.hash for method in ("static", "move") for run in world.found(
+            "table2_main", method=method, observation="rgb")}
 
 
 @pytest.mark.parametrize("number", OF_THE_PAPER)
