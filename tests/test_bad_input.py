@@ -305,11 +305,11 @@ def test_scalars_are_those_of_yaml_1_2(text, value):
 
 def test_many_keys_are_read_in_no_time():
     started = time.process_time()
-    text = "".join(f"k{number}: 1\n" for number in range(30_000))
-    assert len(yaml_text.read(text, "here")) == 30_000
-    with pytest.raises(BadInput, match="'k29999' stands twice"):
-        yaml_text.read(f"{text}k29999: 2", "here")
-    assert time.process_time() - started < 60
+    text = "".join(f"k{number}: 1\n" for number in range(10_000))
+    assert len(yaml_text.read(text, "here")) == 10_000
+    with pytest.raises(BadInput, match="'k9999' stands twice"):
+        yaml_text.read(f"{text}k9999: 2", "here")
+    assert time.process_time() - started < 20
 
 
 def test_every_parameter_of_every_figure_is_checked():
