@@ -12,6 +12,7 @@ import tempfile
 from importlib.util import find_spec
 from pathlib import Path
 
+import matplotlib
 import pytest
 
 from move import paths
@@ -21,6 +22,8 @@ OF_ENVIRONMENTS = ("dm_control", "gym_aloha", "gymnasium_robotics", "ogbench", "
 """Packages that environment.lock has not: `make test-environments` builds an environment that has them."""
 collect_ignore = [] if all(map(find_spec, OF_ENVIRONMENTS)) else ["environments"]
 
+matplotlib.use("Agg")  # no window
+sys.modules["rfc3987_syntax"] = None  # nbformat's validator compiles its 38 grammars, for seconds; no test needs them
 gc.disable()  # until everything is imported
 sys.modules.setdefault("rfc3987_syntax", None)  # nbformat would build its grammars: 1.5 s
 one_thread_in_children()
@@ -58,7 +61,7 @@ def pytest_report_header() -> str:
 @pytest.hookimpl
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Begin with the files that take longest, for a file is one process's: its notebooks are executed once."""
-    longest = ("test_planted_truth", "test_tutorial", "test_figures", "test_real_notebook", "test_missing_runs",
+    longest = ("test_planted_truth", "test_tutorial", "test_real_notebook", "test_missing_runs",
                "test_untouched", "test_study", "test_tasks", "test_paper_profile", "test_bad_input", "test_outputs",
                "test_real_checks", "test_cluster", "test_processes", "test_claims")
     order = {name: place for place, name in enumerate(longest)}

@@ -36,11 +36,14 @@ from move.sim.grasp_points import CIRCLE
 from move.sim.motion.adc import JUMPS
 from move.sim.motion.wrappers import Motions, movable
 from move.sim.tasks import get_task
+from move.statistics import distance
+from move.statistics.distance import jackknife
 from move.study.labels import distinct
 from move.study.profiles import load_profile
 from move.study.provenance import DECIDING, version
-from move.study.results import Result, store
+from move.study.results import Result
 from move.study.spec import CollectionRun, ControlRun, PolicyRun, RunSpec
+from move.study.stored import to_text
 
 PROFILE = load_profile("laptop")
 PLACED = ("pick-place", "assembly", "pick-place-wall")  # of which the paper says which budgets do equally well
@@ -301,8 +304,8 @@ def _cells(steps: np.ndarray, share: float, low: float, high: float, count: int)
 class World:
     """Planted results in a folder of their own, what the notebooks make of them, and the truth to hold it against."""
 
-    def __init__(self, folder: Path, turned: bool = False, laid_out: bool = False) -> None:
-        self.folder, self.turned, self.laid_out = folder, turned, laid_out
+    def __init__(self, folder: Path, turned: bool = False) -> None:
+        self.folder, self.turned = folder, turned
         self.specs = {name: [run.spec for run in distinct(runs(name, PROFILE))] for name in with_runs()}
         every = {spec.hash: spec for specs in self.specs.values() for spec in specs}
         self.results = {spec.hash: planted_result(spec, turned) for spec in every.values()}
@@ -310,11 +313,17 @@ class World:
         self.figures: dict[str, Figure] = {}  # by the name of the file that each was saved under
         self._shown: dict[str, Any] = {}
         self.displayed: dict[tuple[str, str], pd.DataFrame] = {}  # by figure and suffix: as a notebook shows it
-        place = folder / "results" / PROFILE.name
-        place.mkdir(parents=True)
-        for result in self.results.values():
-            written = store(result, folder / "new")  # a folder of its own, for `store` looks through it
-            written.rename(place / written.name)
+        self.stored = folder / "results" / PROFILE.name
+        self.stored.mkdir(parents=True)
+        for run, result in self.results.items():
+            content = {part: getattr(result, part) for part in ("collection", "training", "seconds", "provenance")}
+            (self.stored / f"{run}.json").write_text(to_text(result.spec, result.rows, content))
+
+    def lose(self, figure: str, **wanted: Any) -> None:
+        """Delete the stored results of a figure's runs that have those features; shown next, it lacks them."""
+        for result in self.found(figure, **wanted):
+            (self.stored / f"{result.spec.hash}.json").unlink()
+        self._shown.pop(figure, None)
 
     def show(self, name: str, **changes: Any) -> str:
         """Execute the code cells of notebook `name` once; returns the text that its last cell shows."""
@@ -376,14 +385,19 @@ class World:
             patch.setattr(coverage, "attempts", attempts)
             patch.setattr(style, "save", saved)
             patch.setattr(Made, "table", displayed)
+            patch.setattr(distance, "jackknife", in_four_parts)
             patch.setattr(gc, "collect", lambda *_: 0)  # statsmodels does after every adjustment, a second each time
-            if not self.laid_out:  # nobody looks at where the panels are
-                patch.setattr(Figure, "get_layout_engine", lambda figure: None)
+            patch.setattr(Figure, "get_layout_engine", lambda figure: None)  # nobody looks at where the panels are
             patch.setenv("MOVE_STORED_ONLY", "1")
             with matplotlib.rc_context():
                 _forget()
                 yield
                 _forget()
+
+
+def in_four_parts(labels: np.ndarray, *statistic: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The jackknife, with four sets of labels left out in turn in place of each label: a tenth of the time."""
+    return jackknife(np.unique(labels, return_inverse=True)[1] % 4, *statistic)
 
 
 @functools.cache

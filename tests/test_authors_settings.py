@@ -6,7 +6,6 @@ from itertools import islice
 
 import numpy as np
 import pytest
-from pydantic import ValidationError
 
 from move.errors import BadInput
 from move.learn.agents import Nothing
@@ -56,14 +55,6 @@ def test_the_object_comes_from_as_many_steps_away_as_asked():
 def test_other_places_exist_for_pick_place_alone():
     with pytest.raises(BadInput, match="push, whose places are not known"):
         get_task("push").variant("authors")
-    with pytest.raises(ValidationError, match="push, whose places are not known"):
-        Collection(**{**ANYWHERE, "task": "push"}, method="static")
-
-
-@pytest.mark.parametrize("wrong", [{"object_steps": 35}, {"drawing": "full"}, {"hand_spread": 0.03}])
-def test_what_has_no_effect_is_refused(wrong):
-    with pytest.raises(ValidationError):
-        Collection(**ANYWHERE, method="static", **wrong)
 
 
 def test_the_defaults_leave_the_hash_as_it_is():
@@ -77,11 +68,11 @@ def test_the_defaults_leave_the_hash_as_it_is():
 
 
 def test_failures_are_kept_where_asked():
-    common = {"task": "assembly", "method": "move", "timesteps": 2500, "expert": "metaworld"}
+    common = {"task": "assembly", "method": "move", "timesteps": 1200, "expert": "metaworld"}
     without, record = collect(Collection(**common), 0)
     kept, all_of_them = collect(Collection(**common, keep_failures=True), 0)
     assert record.generation_rate < 1 and all_of_them.generation_rate == 1
-    assert kept.timesteps == without.timesteps == 2500
+    assert kept.timesteps == without.timesteps == 1200
     assert max(kept.lengths) == 200 > max(without.lengths)
     seen = configurations(Collection(**common, keep_failures=True), 0)
     assert len(seen) == 2500 and seen.episode.nunique() == kept.episodes

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from test_cli import move
+from shared import move
 
 from move import paths, yaml_text
 from move.cli.study import read_parameters
@@ -19,7 +19,6 @@ from move.study.profiles import load_profile
 
 LONG = "n" * 300
 PLACES = ["", ".", "/", "..", "file", "file/x.zarr", "/dev/full", "/dev/null/x", "/proc/x.zarr", LONG, f"{LONG}/x"]
-BOMB = "[&a [x, x], &b [*a, *a], &c [*b, *b], &d [*c, *c], *d]"
 BOMB = "[&a [x, x], &b [*a, *a], &c [*b, *b], &d [*c, *c], *d]"
 YAML = {
     "alias bomb": (BOMB, "alias"), "recursive alias": ("&a [*a]", "alias"), "an unknown anchor": ("*nowhere", "alias"),
@@ -201,6 +200,9 @@ def profile_file(here, monkeypatch, smoke_text):
     (b"fig1_sparse:", b"fig1_sparks:", "no notebook fig1_sparks"),
     (b"gradient_steps: 60", b"gradient_steps: 1000000000", "less than or equal to 10000000"),
     (b"gradient_steps: 60", b"gradient_steps: true", "valid integer"),
+    (b"gradient_steps: 60", b"gradient_steps: -60", "greater than 0"),
+    (b"batch_size: 64", b"batch_size: '64a'", "valid integer"),
+    (b"timesteps: 300", b"timesteps: 0", "greater than 0"),
     (b"denoiser: mlp", b"denoiser: mlp\n    mlp_width: 10000000", "less than or equal to 16384"),
     (b"learning_rate: 1.0e-3", b"learning_rate: 1e-3", "write the number as 0.001"),
     (b"seeds: 1,", b"seeds: 100000000,", "less than or equal to 100"),
@@ -304,11 +306,11 @@ def test_scalars_are_those_of_yaml_1_2(text, value):
 
 def test_many_keys_are_read_in_no_time():
     started = time.process_time()
-    text = "".join(f"k{number}: 1\n" for number in range(30_000))
-    assert len(yaml_text.read(text, "here")) == 30_000
-    with pytest.raises(BadInput, match="'k29999' stands twice"):
-        yaml_text.read(f"{text}k29999: 2", "here")
-    assert time.process_time() - started < 60
+    text = "".join(f"k{number}: 1\n" for number in range(10_000))
+    assert len(yaml_text.read(text, "here")) == 10_000
+    with pytest.raises(BadInput, match="'k9999' stands twice"):
+        yaml_text.read(f"{text}k9999: 2", "here")
+    assert time.process_time() - started < 20
 
 
 def test_every_parameter_of_every_figure_is_checked():

@@ -8,19 +8,17 @@ import subprocess
 import numpy as np
 import pandas as pd
 import pytest
+from conftest import git
 from pydantic import ValidationError
+from shared import refused
 
 from move import paper, paths
 from move.claims import claims as data
 from move.claims import ledger
-from move.claims.claims import Claim, claims, read
+from move.claims.claims import claims, read
 from move.claims.evidence import Evidence, chosen, placed
 from move.claims.quantities import QUANTITIES, findings, half_width
-from move.errors import BadInput
 from move.figures.page import parameters
-from move.paper import PAPER_TASKS
-from move.sim.tasks import TASKS
-from move.statistics.estimates import TrainingNoise
 from move.statistics.needed import Design, Seeds, Trials
 from move.statistics.verdicts import VERDICTS, Contradiction, Finding, Missing, Untested, verdict
 from move.study.profiles import Profile, load_profile
@@ -154,9 +152,8 @@ def test_the_papers_mean_of_ten_tasks_is_known_to_five_points():
     ("selections: {}\nlists: {}\nclaims: [{number: 1, quote: a, place: b, figure: c, findings: [$x]}]", r"\$x"),
 ])
 def test_what_is_no_list_of_claims_is_refused_in_one_line(text, complaint):
-    with pytest.raises(BadInput, match=complaint) as refused:
+    with refused(complaint):
         read(text)
-    assert "\n" not in str(refused.value)
 
 
 def test_the_hands_start_is_chosen_in_one_place():
@@ -165,99 +162,6 @@ def test_the_hands_start_is_chosen_in_one_place():
     other = read(text.replace("{hand: anywhere}", "{hand: one place}"))
     chosen_so = {each.number for each in other for one in each.findings if one.where.get("hand") == "one place"}
     assert {11, 12, 13, 15, 16, 17, 23} <= chosen_so
-
-
-class Made(Evidence):
-    """Table 2 with episodes made by hand: MOVE succeeds in `more` of a hundred episodes more than the others."""
-
-    def __init__(self, more: int) -> None:
-        super().__init__(LAPTOP)
-        rows = [{"run": f"{task}-{method}", "task": task, "method": method, "observation": "rgb", "timesteps": 20_000,
-                 "seed": 0, "trial": trial, "success": (trial * 37) % 100 < 30 + more * (method == "move")}
-                for task in PAPER_TASKS for method in ("static", "adc", "move") for trial in range(100)]
-        self.episodes = lambda experiment: pd.DataFrame(rows)
-        self.noise = lambda experiment: TrainingNoise(0.001, 5.0, 72)
-        self.design = lambda experiment, sides: None
-
-
-def claim(number: int) -> Claim:
-    return claims()[number - 1]
-
-
-def judged(number: int, evidence: Evidence) -> str:
-    return verdict(findings(claim(number), evidence), claim(number).join)
-
-
-@pytest.mark.parametrize("more, expected", [
-    (40, {"reproduced", "reproduced, larger"}), (0, {"undecided"}), (-20, {"refuted here"})])
-def test_the_verdict_on_the_main_result_changes_with_the_episodes(more, expected):
-    items = findings(claim(2), Made(more))
-    assert len(items) == 10 and {round(item.value, 2) for item in items} == {more / 100}
-    assert judged(2, Made(more)) in expected
-    mean, relative = findings(claim(1), Made(more))
-    assert mean.value == pytest.approx(more / 100) and relative.value == pytest.approx(more / 30)
-    assert mean.paper == pytest.approx(0.169, abs=1e-3) and relative.paper == pytest.approx(0.761, abs=3e-3)
-    assert set(mean.runs) == {f"{task}-{method}" for task in PAPER_TASKS for method in ("static", "move")}
-
-
-@pytest.mark.parametrize("successes, expected", [(1, "reproduced"), (9, "refuted here")])
-def test_that_policies_fail_is_a_share_of_failures(successes, expected):
-    evidence = Made(0)
-    evidence.episodes = lambda experiment: pd.DataFrame([
-        {"run": f"{budget}-{seed}", "task": "pick-place", "method": "static", "observation": "rgb", "group": "point",
-         "hand": "anywhere", "timesteps": budget, "seed": seed, "trial": trial, "success": trial < successes}
-        for budget in (1550, 3900) for seed in range(3) for trial in range(9)])
-    items = findings(claim(14), evidence)
-    assert [item.value for item in items] == [pytest.approx(1 - successes / 9)] * 2
-    assert judged(14, evidence) == expected and all(item.above == 0.5 for item in items)
-
-
-def scaling(static: dict[int, float], move: dict[int, float]) -> Evidence:
-    """Figure 4 with episodes made by hand: on every task those rates at those timesteps."""
-    evidence = Made(0)
-    rows = pd.DataFrame([
-        {"run": f"{task}-{method}-{budget}", "task": task, "method": method, "observation": "rgb", "seed": 0,
-         "timesteps": budget, "trial": trial, "success": (trial * 37) % 100 < 100 * rate}
-        for task in PAPER_TASKS for method, curve in (("static", static), ("move", move))
-        for budget, rate in curve.items() for trial in range(100)])
-    evidence.episodes = lambda experiment: rows
-    return evidence
-
-
-@pytest.mark.parametrize("static, more, named", [
-    ({5000: 0.05, 10_000: 0.1, 20_000: 0.2}, "reproduced", "reproduced"),  # "more than 1" excludes no size
-    ({5000: 0.05, 10_000: 0.1, 20_000: 0.2, 40_000: 0.3, 100_000: 0.3}, "reproduced", "reproduced"),
-    ({5000: 0.2, 10_000: 0.4, 20_000: 0.7, 40_000: 0.8}, "undecided", "undecided"),
-])
-def test_data_efficiency_is_above_a_number_only_where_statics_budgets_reach_it(static, more, named):
-    evidence = scaling(static, {5000: 0.2, 10_000: 0.4, 20_000: 0.7})
-    every, some = findings(claim(36), evidence), findings(claim(6), evidence)
-    assert [item.trend for item in every] == [False] * 10 + [True]
-    assert [item.paper for item in some] == [2.5, 2.0, 5.0]
-    assert (judged(36, evidence), judged(6, evidence)) == (more, named)
-
-
-def ladder(steps: list[float]) -> Evidence:
-    """Figure 6 with episodes made by hand: success on each rung, the same on both tasks."""
-    evidence = Made(0)
-    rungs = ["nothing", "object", "object + target", "object + target + camera"]
-    rows = pd.DataFrame([
-        {"run": f"{task}-{rung}-{seed}", "stored": True, "task": task, "moves": rung, "method": "move",
-         "observation": "rgb", "seed": seed, "trial": trial, "success": (trial * 37) % 100 < 100 * rate}
-        for task in ("pick-place", "assembly") for rung, rate in zip(rungs, steps, strict=True)
-        for seed in range(3) for trial in range(100)])
-    evidence.episodes = evidence.asked = lambda experiment: rows
-    return evidence
-
-
-@pytest.mark.parametrize("steps, expected", [
-    ([0.1, 0.3, 0.5, 0.7], "reproduced"), ([0.3, 0.36, 0.42, 0.48], "direction only"),
-    ([0.3, 0.3, 0.3, 0.3], "undecided"), ([0.1, 0.4, 0.1, 0.4], "refuted here")])
-def test_a_trend_is_that_of_all_rungs_and_every_step_counts(steps, expected):
-    items = findings(claim(28), ladder(steps))
-    assert [round(item.value, 6) for item in items if item.trend] == [
-        pytest.approx(np.polyfit(range(4), steps, 1)[0], abs=1e-6)] * 2
-    assert judged(28, ladder(steps)) == expected
 
 
 def test_episodes_over_a_grid_know_how_far_the_nearest_grasp_point_is_and_the_circle():
@@ -269,46 +173,6 @@ def test_episodes_over_a_grid_know_how_far_the_nearest_grasp_point_is_and_the_ci
     assert len(chosen(found, {"from_grasps": {"above": 0.05}})) == 1 == len(chosen(found, {"from_grasps":
                                                                                           {"at_most": 0.0}}))
     assert len(chosen(found, {"group": ["grid", "point"], "not a column": 1})) == 3
-
-
-FIGURES = {  # a claim's number -> the figure's table of the same differences, what it is held against, what names a row
-    1: ("table2_main_differences_mean", "static", None), 2: ("table2_main_differences", "static", "task"),
-    3: ("table2_main_differences", "adc", "task"), 4: ("table2_main_differences_mean", "adc", None),
-    12: ("fig1_sparse_difference", "static", None), 15: ("fig3_dense_difference", "static", None),
-    16: ("fig5_circle_differences", "static", "where=inside"),
-    17: ("fig5_circle_differences", "static", "where=outside"),
-    18: ("table1_spatial_factors_lost", "object", "factors=all"), 24: ("generalization_differences", "static", "task"),
-    25: ("fig_speed_law_others", "beta", "law"),
-}
-OTHER_SIDE_FIRST = {18, 25}  # claims that are above 0 where the figure's row is below
-
-
-@pytest.fixture(scope="module")
-def stored() -> Evidence:
-    return Evidence(LAPTOP)
-
-
-@pytest.mark.parametrize("number", FIGURES)
-def test_the_ledger_has_the_figures_own_intervals_and_signs(number, stored):
-    """As far as the runs are stored: a mean over tasks of which one is missing is not computed."""
-    name, baseline, by = FIGURES[number]
-    drawn = pd.read_csv(LAPTOP.figures / f"{name}.csv").query("baseline == @baseline")
-    if by and "=" in by:
-        column, value = by.split("=")
-        drawn = drawn[drawn[column] == value]
-    drawn = drawn[drawn.hand == "anywhere"] if "hand" in drawn else drawn
-    all_items = findings(claim(number), stored)
-    items = [item for item in all_items if isinstance(item, Finding) and item.what != "relative improvement"]
-    if by is None and any(isinstance(item, Missing) for item in all_items):
-        assert drawn.empty or (drawn["items"] < len(PAPER_TASKS)).all()
-        return
-    assert len(items) == len(drawn) and (len(drawn) or any(isinstance(item, Missing) for item in all_items))
-    for item, row in zip(items, drawn.itertuples(), strict=True):
-        theirs = (row.difference, row.low, row.high)
-        if number in OTHER_SIDE_FIRST:
-            theirs = (-row.difference, -row.high, -row.low)
-        assert (item.value, item.low, item.high) == pytest.approx(theirs, abs=1.1e-4), item
-        assert by != "task" or item.what.startswith(TASKS[row.task].title)
 
 
 def test_a_claim_without_runs_says_what_it_would_cost(tmp_path, monkeypatch):
@@ -335,7 +199,7 @@ def test_a_claim_that_a_profile_has_no_runs_for_says_so(profile, gl, tmp_path, m
 
 
 def test_the_robots_numbers_are_the_papers_thirty_trials_and_one_exact_test():
-    item, = findings(claim(33), Evidence(LAPTOP))
+    item, = findings(claims()[32], Evidence(LAPTOP))
     assert item.value == pytest.approx(6 / 30) and "Barnard's exact p 0.027" in item.what
     assert "the paper's own counts" in item.what, "nobody here has a robot"
 
@@ -354,18 +218,13 @@ def test_the_ledger_for_other_programs_is_the_table_with_its_schema_and_the_clai
     table = pd.read_csv(LAPTOP.figures / "claims.csv")
     assert [one.verdict for one in decided] == table.verdict.tolist() and set(table.verdict) <= set(VERDICTS)
     ledger.save_json(decided, tmp_path)
-    for name in ("claims.schema.json",):
-        assert (tmp_path / name).read_text() == (LAPTOP.figures / name).read_text()
+    assert (tmp_path / "claims.schema.json").read_text() == (LAPTOP.figures / "claims.schema.json").read_text()
     assert sorted(path.name for path in tmp_path.iterdir()) == ["claims.json", "claims.schema.json"]
     with pytest.raises(ValidationError):
         ledger.Ledger.model_validate(shipped | {"more": 1})
 
 
 # a claim comes before its runs ---------------------------------------------------------------------------------------
-
-
-def git(*arguments: str) -> str:
-    return subprocess.run(["git", *arguments], cwd=paths.ROOT, capture_output=True, text=True, check=True).stdout
 
 
 def late(versions: list[tuple[str, dict[int, str]]], runs_of: dict[int, list[str]], changed: dict[int, bool],

@@ -1,27 +1,25 @@
-"""Collection: exact budgets, staged motions, ADC's jumps, grasp points, and the expert over the wide range."""
+"""Collection: exact budgets, staged motions, grasp points, and the expert over the wide range."""
 
+import tracemalloc
 from itertools import islice
 
 import numpy as np
 import pytest
-from pydantic import ValidationError
+from shared import plan, refused
 
 from move.errors import BadInput
 from move.paper import PAPER_METHODS
 from move.sim import collect as collecting
-from move.sim.collect import Collection, attempts, collect, collecting_env
+from move.sim.collect import attempts, collect, collecting_env
 from move.sim.experts.phase import make_expert
 from move.sim.grasp_points import CIRCLE, circle_points, grasp_point, sparse_points
-from move.sim.motion.adc import Jumps
+from move.sim.motion.adc import MENDED, Jumping
 from move.sim.motion.wrappers import CameraMotion, Motions, ObjectTranslation, TargetTranslation, with_motions
+from move.sim.placement import Placement
 from move.sim.scene.scene import Scene
 from move.sim.tasks import get_task
 
 TASK = get_task("pick-place")
-
-
-def plan(**changes) -> Collection:
-    return Collection(**{"task": "pick-place", "method": "move", "timesteps": 400, **changes})
 
 
 def trace(env, steps: int, seed: int = 0) -> list:
@@ -113,14 +111,6 @@ def test_only_what_is_random_moves():
     assert kinds("all", Motions(target_speed=0.0)) == [CameraMotion, ObjectTranslation]
 
 
-def test_adc_jumps_once_a_phase_when_the_gripper_is_near():
-    seen = trace(Jumps(Scene()), 110, seed=1)
-    for phase, field in (("pick", "object_position"), ("place", "target_position")):
-        changes = [now for (now, before), (_, after) in zip(seen, seen[1:], strict=False)
-                   if getattr(before, field) != getattr(after, field)]
-        assert changes == [phase]
-
-
 @pytest.mark.parametrize("method", ["static", "move"])
 @pytest.mark.parametrize("protocol", ["sparse", "dense", "circle"])
 def test_grasps_happen_at_the_prescribed_points(protocol, method):
@@ -162,18 +152,95 @@ def test_motion_inside_the_circle_stays_inside_and_arrives():
 
 
 @pytest.mark.parametrize(("method", "least", "shortest", "longest"),
-                         [("static", 0.97, 70, 95), ("move", 0.95, 80, 120)])
+                         [("static", 0.96, 70, 95), ("move", 0.93, 80, 120)])
 def test_the_expert_masters_the_wide_range(method, least, shortest, longest):
-    """Over 60 attempts here; the benchmark of the package shows 200."""
+    """Over 30 attempts here; the benchmark of the package shows 200."""
     episodes = attempts(plan(method=method), seed=777)
-    tried = [next(episodes) for _ in range(60)]
+    tried = [next(episodes) for _ in range(30)]
     kept = [len(episode.actions) for episode in tried if episode.succeeded]
     assert len(kept) / len(tried) >= least
     assert shortest <= np.mean(kept) <= longest
 
 
-@pytest.mark.parametrize("wrong", [{"task": "juggling"}, {"method": "magic"}, {"timesteps": -1}, {"timesteps": "9"},
-                                   {"factors": "moon"}, {"image_size": 4}, {"speed": 1}])
-def test_impossible_collections_are_refused(wrong):
-    with pytest.raises(ValidationError):
+@pytest.mark.parametrize("method", ["static", "adc", "move"])
+def test_a_larger_budget_begins_with_the_smaller_ones_demonstrations(method):
+    small, large = (collect(plan(method=method, timesteps=size), seed=3)[0]
+                    for size in (150, 400))
+    whole = small.episode_ends[-2] if small.episodes > 1 else 0
+    assert (large.observations[:150] == small.observations).all() and (large.actions[:150] == small.actions).all()
+    assert large.timesteps == 400 and (small.episode_ends[:-1] <= 150).all() and whole < 150
+
+
+def test_a_collection_holds_its_frames_once():
+    collection = plan(task="window-open", method="static", timesteps=450, observation="rgb", image_size=96)
+    collect(collection.model_copy(update={"timesteps": 10}), 0)
+    tracemalloc.start()
+    made, _ = collect(collection, 0)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    one_demonstration = 200 * 96 * 96 * 3
+    assert made.observations.nbytes <= peak < made.observations.nbytes + 2 * one_demonstration
+
+
+HALF = {"static": 0.5, "move": 0.5}
+MIXED = {"method": "mixture", "shares": HALF}
+SPARSE = {"method": "static", "protocol": "sparse", "factors": "object"}
+AUTHORS = {"method": "static", "protocol": "sparse", "factors": "object+hand", "fixed": "authors"}
+WRONG = [  # what is changed of a collection of Pick-Place by MOVE, and what the refusal says
+    ({"task": "juggling"}, "'juggling' given"), ({"method": "magic"}, "'magic' given"), ({"speed": 1}, "speed"),
+    ({"timesteps": -1}, "timesteps: -1"), ({"timesteps": "9"}, "timesteps: '9'"), ({"factors": "moon"}, "'moon' given"),
+    ({"image_size": 4}, "image_size"),
+    # ADC's jumps
+    *(({"method": method, "jumping": MENDED}, "jumping") for method in ("static", "move")),
+    *(({"method": "adc", "jumping": wrong}, next(iter(wrong))) for wrong in (
+        {"times": 0}, {"seen_steps": -1}, {"distance_from": "nose"})),
+    # where the hand starts
+    *(({**SPARSE, "hand_spread": spread}, "hand_spread") for spread in (-0.01, float("inf"), float("nan"))),
+    *(({**SPARSE, "hand_spread": 0.03} | other, "hand_spread") for other in (
+        {"protocol": "random"}, {"factors": "object+hand"})),
+    *(({**AUTHORS, name: value}, name) for name, value in (
+        ("object_steps", 35), ("drawing", "full"), ("hand_spread", 0.03))),
+    ({**AUTHORS, "task": "push"}, "push, whose places are not known"),
+    # where demonstrations are placed, and how many
+    ({"protocol": "placed"}, "plac"), ({"placement": Placement(places=5)}, "plac"),
+    ({"placement": {"places": 0}, "protocol": "placed"}, "places"), ({"demonstrations": 0}, "demonstrations"),
+    ({**MIXED, "demonstrations": 5}, "demonstrations"),
+    # shares of a mixture
+    ({**MIXED, "shares": {}}, "a mixture of nothing; allowed are shares of two methods or more"),
+    ({**MIXED, "shares": {"static": 0.5}}, "a mixture of static; allowed"),
+    ({**MIXED, "shares": {"static": 0.5, "move": 0.6}}, "shares add up to 1.1; allowed is 1"),
+    ({**MIXED, "shares": {"static": 1.5, "move": -0.5}}, "1.5 given; input should be less than 1"),
+    ({**MIXED, "shares": {"static": float("nan"), "move": 0.5}}, "nan given"),
+    ({**MIXED, "shares": {"static": 0.5, "magic": 0.5}}, "'magic' given; allowed are static, adc, move"),
+    ({**MIXED, "shares": {"static": 0.5, "mixture": 0.5}}, "'mixture' given; allowed are static, adc, move"),
+    ({**MIXED, "shares": {"static": 0.001, "move": 0.999}, "timesteps": 100}, "shares give 0, 100 of 100 timesteps"),
+    ({"shares": HALF}, "shares given for method 'move'; allowed with mixture"),
+    ({**MIXED, "jumping": Jumping(times=2)}, "jumping given for method 'mixture'; allowed with adc"),
+    ({**MIXED, "shares": {"static": 0.5, "adc": 0.5}, "object_speed": 0.1}, "at a speed under static and adc"),
+    # speeds, and what moves
+    ({"method": "static", "object_speed": 0.03}, "object_speed: 0.03 given; nothing moves at a speed under static"),
+    ({"method": "adc", "moving": ("object",)}, "nothing moves at a speed under adc; allowed with move"),
+    ({"object_speed": -0.01}, "object_speed: -0.01 given; input should be greater than 0"),
+    ({"object_speed": 0.0}, "greater than 0"),
+    ({"target_speed": float("inf")}, "target_speed: inf given"),
+    ({"camera_speed": float("nan")}, "camera_speed: nan given"),
+    ({"target_speed": 0.5}, "target_speed: 0.5 given; input should be less than or equal to 0.3"),
+    ({"camera_speed": 1.0}, "camera_speed: 1.0 given; input should be less than or equal to 0.349"),
+    ({"yaw_speed": 0.1}, "the rotation does not move; allowed are speeds of object, target, camera"),
+    ({"method": "adc", "speed_law": "uniform"}, "speed_law: 'uniform' given; nothing moves at a speed under adc"),
+    ({"speed_law": "normal"}, "speed_law: 'normal' given; input should be 'beta', 'uniform' or 'constant'"),
+    ({"motions": Motions(object_speed=0.1), "speed_law": "uniform"}, "motions are given too"),
+    ({"moving": ("moon",)}, "'moon' given; input should be 'object'"),
+    ({"moving": ()}, "nothing given; allowed are one or more of object, target, camera"),
+    ({"moving": ("object", "object")}, "each once"),
+    ({"moving": ("rotation",)}, "rotation given; allowed are one or more of object, target, camera"),
+    ({"factors": "object", "camera_speed": 0.1}, "the camera does not move; allowed are speeds of object"),
+    ({"moving": ("camera",), "object_speed": 0.1}, "the object does not move; allowed are speeds of camera"),
+    ({"motions": Motions(object_speed=0.1), "object_speed": 0.2}, "motions are given too"),
+]
+
+
+@pytest.mark.parametrize("wrong, message", WRONG, ids=lambda value: str(value)[:60])
+def test_an_impossible_collection_is_refused_in_one_line(wrong, message):
+    with refused(message):
         plan(**wrong)

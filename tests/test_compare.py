@@ -6,7 +6,7 @@ from importlib.metadata import version
 
 import numpy as np
 import pytest
-from test_cli import move
+from shared import move
 
 from move.errors import BadInput
 from move.figures.page import parameters

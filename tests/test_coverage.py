@@ -1,24 +1,21 @@
 """Coverage of configurations, and films: what figure 2 counts and shows."""
 
-import av
 import numpy as np
 import pandas as pd
 import pytest
-import recipes
+from recipes import tiny_run
+from shared import needs_gl
 
 from move.figures.plots import film
 from move.learn import rollout
 from move.learn.agents import PolicyAgent, Recorded
 from move.learn.evaluation import Evaluation
 from move.learn.train import train
-from move.machine import gl_problem
 from move.paper import PAPER_TASKS
 from move.sim import coverage
 from move.sim.collect import Collection, collect
 from move.sim.tasks import get_task
-from move.study.spec import PolicyRun
 
-needs_gl = pytest.mark.skipif(gl_problem() is not None, reason="no GL library on this machine")
 TASK = get_task("pick-place")
 
 
@@ -81,33 +78,10 @@ def test_moving_scenes_cover_more(seen):
         assert shares["move"] > 2 * shares["static"]
 
 
-def test_a_strip_is_evenly_spaced_frames_with_their_timesteps():
-    frames = np.arange(9, dtype=np.uint8)[:, None, None, None].repeat(2, 1).repeat(2, 2).repeat(3, 3)
-    strip, steps = film.strip(frames, 3)
-    assert strip.shape == (3, 2, 2, 3) and strip[:, 0, 0, 0].tolist() == [0, 4, 8] == steps
-
-
-def test_films_side_by_side_last_as_long_as_the_longest():
-    short, long = np.full((2, 4, 4, 3), 10, np.uint8), np.arange(5, dtype=np.uint8)[:, None, None, None].repeat(4, 1)
-    both = film.side_by_side([short, long.repeat(4, 2).repeat(3, 3)])
-    assert both.shape == (5, 4, 16, 3) and both[4, 0, 0, 0] == 10 and both[:, 0, -1, 0].tolist() == [0, 1, 2, 3, 4]
-    assert (both[:, :, 4:12] == 255).all()
-
-
 @needs_gl
-def test_a_film_holds_the_whole_demonstration(tmp_path):
-    frames = film.marked(film.demonstration_take(film.demonstration("pick-place", "move", 32), 0))
-    path = film.write_film(frames, tmp_path / "film.mp4")
-    with av.open(str(path)) as film_again:
-        assert len(list(film_again.decode(video=0))) == len(frames) > 50
-
-
-@needs_gl
-def test_episodes_are_drawn_in_a_seeded_order_until_one_succeeds_and_one_fails(monkeypatch):
-    plan = Collection(task="pick-place", method="static", timesteps=100)
-    training = recipes.keypoints(gradient_steps=2, warmup_steps=1, batch_size=8)
-    spec = PolicyRun(task="pick-place", seed=0, collection=plan, training=training, evaluation=Evaluation(episodes=6))
-    policy, _ = train(collect(plan, 0)[0], training, 0)
+def test_an_episode_is_filmed_as_a_policy_plays_it_and_as_it_was_recorded(monkeypatch):
+    spec = tiny_run(evaluation=Evaluation(episodes=6))
+    policy, _ = train(collect(spec.collection, 0)[0], spec.training, 0)
     monkeypatch.setattr(rollout, "EPISODE_STEPS", 6)
     row, taken = film.episode_take(PolicyAgent(policy, 0), spec, 4, 32)
     frames = taken.frames
@@ -115,20 +89,6 @@ def test_episodes_are_drawn_in_a_seeded_order_until_one_succeeds_and_one_fails(m
     moved = np.full((3, 4), 0.5, np.float32)
     again = film.episode_take(Recorded(moved), spec, 4, 32)[1].frames
     assert again.shape == frames.shape and np.array_equal(again[0], frames[0]) and not np.array_equal(again, frames)
-    played = []
-
-    def ends(policy, spec, number, image_size):
-        played.append(number)
-        return {"trial": number, "success": number in (1, 4)}, np.zeros((1, 2, 2, 3))
-
-    monkeypatch.setattr(film, "episode_take", ends)
-    success, failure = film.one_of_each(lambda _: PolicyAgent(policy, 0), spec, np.random.default_rng(3), 32)
-    assert (success[0]["success"], failure[0]["success"]) == (True, False)
-    assert played == list(np.random.default_rng(3).permutation(6))[:len(played)]
-    assert {success[0]["trial"], failure[0]["trial"]} <= set(played)
-    monkeypatch.setattr(film, "episode_take", lambda *arguments: ({"success": False}, None))
-    only = film.one_of_each(lambda _: PolicyAgent(policy, 0), spec, np.random.default_rng(3), 32)
-    assert only == [({"success": False}, None)]
 
 
 def test_the_same_frames_are_the_same_film_every_time(tmp_path):

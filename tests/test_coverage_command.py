@@ -5,8 +5,8 @@ import json
 import numpy as np
 import pytest
 import real_writers as w
+from shared import move
 
-from move.cli import main
 from move.errors import BadInput
 from move.learn import dataset
 from move.realworld import open_dataset, write_sample
@@ -91,7 +91,7 @@ def posed(folder, *, apart=0.02, **about):
         [w.pose() + apart * n, np.where(np.arange(w.STEPS) < 3, 0.9, 0.1)]), **about)
 
 
-def test_what_places_rest_on_is_said(tmp_path, monkeypatch, capsys):
+def test_what_places_rest_on_is_said(tmp_path, capsys):
     for name, arm, apart in (("a", "ur5", 0.02), ("b", "panda", 0.03)):
         posed(tmp_path / "two" / name, robot_type=arm, apart=apart)
     posed(tmp_path / "twice", robot_type="ur5", apart=0)
@@ -99,18 +99,11 @@ def test_what_places_rest_on_is_said(tmp_path, monkeypatch, capsys):
     assert "taken as places in one frame: a (ur5), b (panda)" in doubts["two"] and "b/1 equals" not in doubts["two"]
     assert "./1 equals ./0" in doubts["twice"] and "one frame" not in doubts["twice"]
     assert all("0 taken as closed" in line for line in doubts.values())
-    code, out, _ = coverage(monkeypatch, capsys, str(tmp_path / "twice"), "--json", "--within", "-20,-20,80,80")
+    code, out, _ = move(capsys, "coverage", str(tmp_path / "twice"), "--json", "--within", "-20,-20,80,80")
     assert code == 0 and json.loads(out)["doubts"] == doubts["twice"]
     assert json.loads(out)["part of the table (cm)"] == "-20.0, -20.0, 80.0, 80.0"
-    _, out, _ = coverage(monkeypatch, capsys, str(tmp_path / "two"), "--json")
+    _, out, _ = move(capsys, "coverage", str(tmp_path / "two"), "--json")
     assert "around these grasps; --within" in json.loads(out)["part of the table (cm)"]
-
-
-def coverage(monkeypatch, capsys, *arguments: str) -> tuple[int, str, str]:
-    monkeypatch.setattr("sys.argv", ["move", "coverage", *arguments])
-    with pytest.raises(SystemExit) as ended:
-        main()
-    return ended.value.code, *capsys.readouterr()
 
 
 def test_demonstrations_that_no_budget_cuts_all_have_their_grasps_and_a_cut_one_alone_has_none(tmp_path):
@@ -124,14 +117,14 @@ def test_demonstrations_that_no_budget_cuts_all_have_their_grasps_and_a_cut_one_
         grasps(str(tmp_path / "cut"))
 
 
-def test_a_data_set_collected_here_is_covered_by_its_own_grasp_points(tmp_path, monkeypatch, capsys):
+def test_a_data_set_collected_here_is_covered_by_its_own_grasp_points(tmp_path, capsys):
     wanted = collecting.Collection(task="pick-place", method="static", timesteps=400)
     made, record = collecting.collect(wanted, 3)
     dataset.save(made, tmp_path / "data.zarr", collecting.record_attributes(wanted, 3, record))
     found = grasps(str(tmp_path / "data.zarr"))
     assert found.places == pytest.approx(np.array(record.grasp_points)[:-1]), "the budget cut the last one"
     assert len(found.without) == 1 and f"1 of {record.demonstrations} demonstrations: cut" in found.without[0]
-    code, out, _ = coverage(monkeypatch, capsys, str(tmp_path / "data.zarr"), "--json", "--next", "3",
+    code, out, _ = move(capsys, "coverage", str(tmp_path / "data.zarr"), "--json", "--next", "3",
                             "--within", "-20,50,20,80", "--out", str(tmp_path / "map.png"))
     said = json.loads(out)
     assert code == 0 and said["grasps"] == record.demonstrations - 1 and len(said["next"]) == 3
@@ -139,7 +132,7 @@ def test_a_data_set_collected_here_is_covered_by_its_own_grasp_points(tmp_path, 
     assert said["next"][0]["nearest before it (cm)"] == pytest.approx(
         100 * p.next_places(found.places, table, 1)[1][0], abs=0.06)
     assert (tmp_path / "map.png").stat().st_size > 5000 and (tmp_path / "map.pdf").exists()
-    code, out, _ = coverage(monkeypatch, capsys, str(tmp_path / "data.zarr"), "--json", "--radius", "1000")
+    code, out, _ = move(capsys, "coverage", str(tmp_path / "data.zarr"), "--json", "--radius", "1000")
     assert json.loads(out)["success over this part, of that at a place seen (%)"] == "100"
 
 
@@ -148,6 +141,6 @@ def test_a_data_set_collected_here_is_covered_by_its_own_grasp_points(tmp_path, 
     (("nowhere", "--within", "1,2,3"), "within: '1,2,3' given"),
     (("nowhere", "--out", "map.jpg"), "out: 'map.jpg' given; allowed is a file that ends in .png"),
 ])
-def test_a_bad_request_is_one_line(monkeypatch, capsys, arguments, problem):
-    code, _, err = coverage(monkeypatch, capsys, *arguments)
+def test_a_bad_request_is_one_line(capsys, arguments, problem):
+    code, _, err = move(capsys, "coverage", *arguments)
     assert code == 2 and problem in err and len(err.strip().splitlines()) == 1

@@ -2,12 +2,15 @@
 
 import json
 import re
+from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 import pyarrow.parquet as pq
 import pytest
 from huggingface_hub import DatasetCard
+from shared import full_disk
 
 from move.errors import BadInput
 from move.exchange import card
@@ -43,11 +46,30 @@ def pieces(array: np.ndarray) -> list[np.ndarray]:
     return np.split(array, ENDS[:-1])
 
 
-def test_keypoints_come_back_exactly_from_lerobot(tmp_path):
-    written = write(tmp_path / "a.zarr")
-    about = exporting.export(tmp_path / "a.zarr", tmp_path / "out", "lerobot")
+class Exported(NamedTuple):
+    """Demonstrations, the folder in which LeRobot finds them, and what the export said."""
+
+    written: Demonstrations
+    out: Path
+    about: dict
+
+
+@pytest.fixture(scope="module")
+def exported(tmp_path_factory) -> dict[bool, Exported]:
+    """By whether images are observed."""
+    found = {}
+    for images in (False, True):
+        folder = tmp_path_factory.mktemp("exported")
+        written = write(folder / "a.zarr", images)
+        about = exporting.export(folder / "a.zarr", folder / "out", "lerobot")
+        found[images] = Exported(written, folder / "out", about)
+    return found
+
+
+def test_keypoints_come_back_exactly_from_lerobot(exported):
+    written, out, about = exported[False]
     assert (about["episodes"], about["timesteps"], about["observation"]) == (3, 20, "numbers")
-    read = open_dataset(tmp_path / "out", episodes=None)
+    read = open_dataset(out, episodes=None)
     assert [e.timesteps for e in read.episodes] == [7, 5, 8] and not read.unread
     for e, seen, action in zip(read.episodes, pieces(written.observations), pieces(written.actions), strict=True):
         np.testing.assert_array_equal(e.state, seen)
@@ -56,10 +78,9 @@ def test_keypoints_come_back_exactly_from_lerobot(tmp_path):
         assert e.action_names == ("x", "y", "z", "gripper") and not e.cameras
 
 
-def test_images_come_back_from_lerobot_within_the_codecs_tolerance(tmp_path):
-    written = write(tmp_path / "a.zarr", images=True)
-    exporting.export(tmp_path / "a.zarr", tmp_path / "out", "lerobot")
-    for e, seen, action in zip(open_dataset(tmp_path / "out", episodes=None).episodes, pieces(written.observations),
+def test_images_come_back_from_lerobot_within_the_codecs_tolerance(exported):
+    written, out, _ = exported[True]
+    for e, seen, action in zip(open_dataset(out, episodes=None).episodes, pieces(written.observations),
                                pieces(written.actions), strict=True):
         np.testing.assert_array_equal(e.action, action)
         frames = e.cameras["camera"].read(range(e.timesteps))
@@ -70,10 +91,8 @@ def test_images_come_back_from_lerobot_within_the_codecs_tolerance(tmp_path):
             np.argwhere(image[..., 1] == 20).mean(axis=0).round().tolist() for image in seen]
 
 
-def test_the_files_are_those_of_lerobot_v3(tmp_path):
-    written = write(tmp_path / "a.zarr", images=True)
-    out = tmp_path / "out"
-    exporting.export(tmp_path / "a.zarr", out, "lerobot")
+def test_the_files_are_those_of_lerobot_v3(exported):
+    written, out, _ = exported[True]
     assert {path.relative_to(out).as_posix() for path in out.rglob("*") if path.is_file()} == {
         "README.md", "meta/info.json", "meta/stats.json", "meta/tasks.parquet", "meta/move.json", exporting.EPISODES,
         "data/chunk-000/file-000.parquet", "videos/observation.images.camera/chunk-000/file-000.mp4"}
@@ -96,20 +115,19 @@ def test_the_files_are_those_of_lerobot_v3(tmp_path):
 
 
 @pytest.mark.parametrize("images", [False, True])
-def test_the_card_is_one_that_the_hub_reads_and_says_what_the_data_are(tmp_path, images):
-    write(tmp_path / "a.zarr", images=images)
-    exporting.export(tmp_path / "a.zarr", tmp_path / "out", "lerobot")
-    read = DatasetCard.load(tmp_path / "out/README.md")
+def test_the_card_is_one_that_the_hub_reads_and_says_what_the_data_are(exported, images):
+    out = exported[images].out
+    read = DatasetCard.load(out / "README.md")
     front = read.data.to_dict()
     assert front["task_categories"] == ["robotics"] and "LeRobot" in front["tags"]
     assert front["size_categories"] == ["n<1K"] and "license" not in front, "which is not ours to choose"
     (config,) = front["configs"]
-    found = list((tmp_path / "out").glob(config["data_files"]))
+    found = list(out.glob(config["data_files"]))
     assert [path.name for path in found] == ["file-000.parquet"]
     assert "Pick-Place, collected by MOVE" in front["pretty_name"] in read.text
     assert "3 demonstrations, 20 timesteps at 80 a second" in read.text and "No real robot" in read.text
     shown = set(re.findall(r"^\| `(\S+)` \|", read.text, re.M))
-    assert shown == set(json.loads((tmp_path / "out/meta/info.json").read_text())["features"])
+    assert shown == set(json.loads((out / "meta/info.json").read_text())["features"])
 
 
 def test_a_card_names_nothing_that_it_does_not_know(tmp_path):
@@ -121,10 +139,9 @@ def test_a_card_names_nothing_that_it_does_not_know(tmp_path):
 
 
 @pytest.mark.parametrize("images", [False, True])
-def test_pooled_statistics_are_those_of_all_frames(tmp_path, images):
-    written = write(tmp_path / "a.zarr", images)
-    exporting.export(tmp_path / "a.zarr", tmp_path / "out", "lerobot")
-    stats = json.loads((tmp_path / "out/meta/stats.json").read_text())
+def test_pooled_statistics_are_those_of_all_frames(exported, images):
+    written, out, _ = exported[images]
+    stats = json.loads((out / "meta/stats.json").read_text())
     key = exporting.CAMERA if images else exporting.STATE
     expected = feature_stats(written.observations)
     assert set(stats[key]) == set(expected) and stats[key]["count"] == [20]
@@ -138,10 +155,9 @@ def test_pooled_statistics_are_those_of_all_frames(tmp_path, images):
         np.testing.assert_allclose(np.ravel(stats[key][name]), wanted, rtol=1e-5, atol=1e-7)
 
 
-def test_episodes_keep_their_own_statistics(tmp_path):
-    written = write(tmp_path / "a.zarr")
-    exporting.export(tmp_path / "a.zarr", tmp_path / "out", "lerobot")
-    row = pq.read_table(tmp_path / "out" / exporting.EPISODES).to_pylist()[1]
+def test_episodes_keep_their_own_statistics(exported):
+    written, out, _ = exported[False]
+    row = pq.read_table(out / exporting.EPISODES).to_pylist()[1]
     for name, values in feature_stats(written.actions[7:12]).items():
         assert row[f"stats/action/{name}"] == values
 
@@ -190,10 +206,8 @@ def test_whole_episodes_that_cannot_be_known_are_refused(timesteps, attributes, 
         exporting.whole(demonstrations, own if attributes is None else attributes)
 
 
-def test_the_states_numbers_are_named_after_keypoints(tmp_path):
-    write(tmp_path / "a.zarr")
-    exporting.export(tmp_path / "a.zarr", tmp_path / "out", "lerobot")
-    feature = json.loads((tmp_path / "out/meta/info.json").read_text())["features"]["observation.state"]
+def test_the_states_numbers_are_named_after_keypoints(exported):
+    feature = json.loads((exported[False].out / "meta/info.json").read_text())["features"]["observation.state"]
     assert feature["names"][:2] == ["site:rightEndEffector right", "site:rightEndEffector up"]
 
 
@@ -215,10 +229,7 @@ def test_nothing_half_written_and_nothing_overwritten(tmp_path, monkeypatch):
     with pytest.raises(BadInput, match="exists; allowed is a new folder"):
         exporting.export(tmp_path / "a.zarr", tmp_path / "there", "lerobot")
 
-    def full(*_):
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(exporting, "write_video", full)
+    monkeypatch.setattr(exporting, "write_video", full_disk)
     with pytest.raises(BadInput, match="cannot write .*out: No space left on device"):
         exporting.export(tmp_path / "a.zarr", tmp_path / "out", "lerobot")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.zarr", "there"]

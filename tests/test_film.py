@@ -5,9 +5,9 @@ from types import SimpleNamespace
 import av
 import numpy as np
 import pytest
+from shared import needs_gl
 
 from move.figures.plots import film
-from move.machine import gl_problem
 from move.paper import PAPER_TASKS
 from move.sim.collect import attempts
 from move.sim.motion.wrappers import Motions
@@ -101,7 +101,7 @@ def test_a_word_stands_in_the_image_for_a_while_after_a_jump_and_the_trail_begin
     assert coloured(jumped[49], "object")[:, 1].min() > 160, "no trail from where it jumped"
 
 
-@pytest.mark.skipif(bool(gl_problem()), reason=f"images cannot be drawn here: {gl_problem()}")
+@needs_gl
 def test_a_demonstration_of_adc_tells_its_jumps():
     shown = film.demonstration_take(film.demonstration("pick-place", "adc", image_size=16), 0)
     assert sorted(shown.jumps.values()) == ["object", "target"], "as the study compares it"
@@ -143,7 +143,7 @@ def test_one_success_and_one_failure_are_shown_the_success_first_and_the_search_
     assert [row["success"] for row, _ in found] == shown
     both = {True, False} <= set(outcomes)
     assert len(played) == (outcomes.index(not outcomes[0]) + 1 if both else 20), "as few as it takes, twenty at most"
-    assert len(set(played)) == len(played) and max(played) < 50
+    assert played == list(np.random.default_rng(0).permutation(50))[:len(played)]
     assert found[0][0]["trial"] == played[outcomes.index(shown[0])], "the first of its kind"
 
 
@@ -157,7 +157,7 @@ def test_a_written_film_plays_with_as_many_frames_of_the_same_size(tmp_path):
     assert abs(int(decoded[-1][film.BAND + 40, 40, 0]) - 90) < 8
 
 
-@pytest.mark.skipif(bool(gl_problem()), reason=f"images cannot be drawn here: {gl_problem()}")
+@needs_gl
 def test_a_demonstrations_film_is_that_of_the_first_one_that_succeeds():
     collection = film.demonstration("window-open", "move", image_size=32)
     shown = film.demonstration_take(collection, 3)

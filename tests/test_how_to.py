@@ -7,12 +7,14 @@ import subprocess
 import sys
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import gymnasium
 import numpy as np
 import pytest
+from shared import plan as any_plan
 
 from move import paths
 from move.errors import BadInput
@@ -20,7 +22,6 @@ from move.learn.agents import Expert, Nothing
 from move.learn.evaluate import Evaluation, evaluate
 from move.paper import PAPER_METHODS
 from move.sim.collect import collect
-from move.sim.collection import Collection
 from move.sim.coverage import configurations
 from move.sim.methods import METHODS, Method
 from move.sim.motion.adc import Jumping
@@ -28,7 +29,6 @@ from move.sim.motion.wrappers import SPEEDS, Motions
 from move.sim.tasks import TASKS, Task
 from move.study.kinds import policy_run
 from move.study.profiles import load_profile
-from move.validation import build
 
 PAGES = {"encoder": "add_an_encoder", "figure": "add_a_figure", "task": "add_a_task",
          "method": "add_a_collection_method"}
@@ -85,8 +85,7 @@ def jitter(monkeypatch) -> Method:
     return known(monkeypatch, "method", METHODS)
 
 
-def plan(**changes) -> Collection:
-    return build(Collection, **{"task": "pick-place", "method": "jitter", "timesteps": 300, **changes})
+plan = partial(any_plan, method="jitter", timesteps=300)
 
 
 def test_the_pages_task_is_demonstrated_by_every_method_and_solved_by_the_expert(monkeypatch):

@@ -12,9 +12,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import recipes
 from distributed import LocalCluster
-from test_cli import move
+from recipes import tiny
+from shared import move, refused
 from test_cluster import two_threads
 
 import move as package
@@ -112,7 +112,7 @@ def test_a_data_set_without_its_digest_or_its_mark_is_refused(tmp_path, name):
 @pytest.mark.parametrize("stopped", [True, False])
 @pytest.mark.parametrize("then, now", [("bfloat16", "float32"), ("float32", "bfloat16")])
 def test_a_training_does_not_go_on_in_another_precision(tmp_path, monkeypatch, stopped, then, now):
-    settings = recipes.keypoints(gradient_steps=4, warmup_steps=1, batch_size=8, precision="bfloat16")
+    settings = tiny(4, precision="bfloat16")
 
     def stop(step: int, total: int, loss: float) -> None:
         if stopped and step == 3:
@@ -172,14 +172,12 @@ TAMPERED = [
 
 @pytest.mark.parametrize("change, reason", TAMPERED)
 def test_a_shipped_policy_that_is_not_its_runs_is_refused(shipped, change, reason):
-    for spec in SHIPPED:
-        assert policies.trained_policy(spec, LAPTOP) and policies.recorded_episodes(spec, LAPTOP)
-        change(shipped(spec))
-        for read in (policies.trained_policy, policies.recorded_episodes, policies.acting):
-            with pytest.raises(BadInput, match=reason) as problem:
-                read(spec, LAPTOP)
-            assert "\n" not in str(problem.value)
-        break
+    spec = SHIPPED[0]
+    assert policies.trained_policy(spec, LAPTOP) and policies.recorded_episodes(spec, LAPTOP)
+    change(shipped(spec))
+    for read in (policies.trained_policy, policies.recorded_episodes, policies.acting):
+        with refused(reason):
+            read(spec, LAPTOP)
 
 
 @pytest.fixture
@@ -316,12 +314,12 @@ def test_a_worker_of_other_source_is_refused_and_computes_nothing(tmp_path):
             deadline = time.monotonic() + 120
             while not local.scheduler.workers and time.monotonic() < deadline:
                 time.sleep(0.1)
-            with pytest.raises(BadInput, match=f"worker .*source [0-9a-f]{{16}}, not {provenance.source()}") as problem:
+            with refused(f"worker .*source [0-9a-f]{{16}}, not {provenance.source()}"):
                 execute.execute(TWO, tmp_path / "results", local.scheduler_address, quiet=True)
         finally:
             worker.terminate()
             worker.wait()
-    assert "\n" not in str(problem.value) and not list((tmp_path / "results").iterdir())
+    assert not list((tmp_path / "results").iterdir())
 
 
 @pytest.mark.parametrize("name, version", [("mujoco", "3.5.0"), ("torch", "1.0"), ("numpy", "1.26.0")])
@@ -369,9 +367,9 @@ def test_two_sources_do_not_write_into_one_folder_and_one_source_may_twice(tmp_p
     folder.mkdir()
     stranger = holding(folder, other)
     try:
-        with pytest.raises(BadInput, match=f"process {stranger.pid} of .* is writing to .* another source") as problem:
+        with refused(f"process {stranger.pid} of .* is writing to .* another source"):
             execute.execute(TWO, folder, workers=1, quiet=True)
-        assert "\n" not in str(problem.value) and len(list(folder.iterdir())) == 1
+        assert len(list(folder.iterdir())) == 1
     finally:
         stranger.kill()  # and leaves its mark, which counts for nothing
         stranger.wait()

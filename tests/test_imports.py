@@ -3,11 +3,11 @@
 import subprocess
 import sys
 
-SLOW = ("torch", "mujoco", "metaworld", "scipy.stats", "statsmodels", "zarr", "distributed")
-QUICK = ("move.study.spec", "move.study.labels", "move.study.kinds", "move.study.profiles", "move.study.results",
-         "move.study.plan", "move.study.verify", "move.study.compare", "move.study.execute",
-         "move.statistics.over_tasks", "move.statistics.cells", "move.statistics.data_efficiency",
-         "move.figures.fig1_sparse", "move.figures.table2_main")
+SLOW = ("torch", "diffusers", "mujoco", "metaworld", "scipy.stats", "statsmodels", "zarr", "distributed")
+QUICK = ("move", "move.learn.settings", "move.study.spec", "move.study.labels", "move.study.kinds",
+         "move.study.profiles", "move.study.results", "move.study.plan", "move.study.verify", "move.study.compare",
+         "move.study.execute", "move.statistics.over_tasks", "move.statistics.cells",
+         "move.statistics.data_efficiency", "move.figures.fig1_sparse", "move.figures.table2_main")
 
 
 def test_what_reads_and_counts_stored_results_imports_nothing_slow():

@@ -1,21 +1,22 @@
 """ADC's jumps in all ten tasks: how many, when, and which demonstrations are kept."""
 
+import math
+from functools import partial
 from itertools import islice
 
 import gymnasium
 import pytest
-from pydantic import ValidationError
+from shared import plan as any_plan
 
 from move.sim import collect as collecting
-from move.sim.collect import Collection, attempts, collect, collecting_env, required_jumps
+from move.sim.collect import Collection, attempt_seed, attempts, collect, collecting_env, required_jumps
+from move.sim.experts.phase import make_expert
 from move.sim.motion.adc import JUMP_DISTANCE, MENDED, PERIODIC, Jumping
 from move.sim.tasks import TASKS, get_task
 from move.study.run import run
 from move.study.spec import CollectionRun
 
-
-def plan(task: str = "pick-place", **changes) -> Collection:
-    return Collection(**{"task": task, "method": "adc", "timesteps": 300, "jumping": MENDED, **changes})
+plan = partial(any_plan, method="adc", timesteps=300, jumping=MENDED)
 
 
 class Watch(gymnasium.Wrapper):
@@ -59,13 +60,40 @@ def watched(collection, count, seed=0):
 
 
 @pytest.mark.parametrize("name", TASKS)
+def test_object_and_target_jump_at_the_first_step_at_which_the_gripper_is_near(name):
+    task = get_task(name)
+    env = collecting_env(plan(task=name, jumping=Jumping()))
+    scene, expert, jumps = env.unwrapped, make_expert("phase", task), []
+    for attempt in range(4):
+        env.reset(seed=attempt_seed(0, attempt))
+        expert.reset()
+        jumped: set[str] = set()
+        for step in range(150):
+            action, phase, before = expert.action(scene), scene.phase, scene.configuration
+            fingers = (scene.point("site:leftEndEffector") + scene.point("site:rightEndEffector")) / 2
+            goal = scene.point(task.object_point if phase == "pick" else task.target_point)
+            near = math.dist(fingers, goal) < JUMP_DISTANCE
+            env.step(action)
+            after = scene.configuration
+            moved = {part for part, changed in (("pick", before.object_position != after.object_position),
+                                                ("place", before.target_position != after.target_position)) if changed}
+            expected = {phase} if near and phase not in jumped and (phase == "pick" or task.has_target) else set()
+            assert moved == expected, (attempt, step)
+            jumped |= moved
+            if phase == "pick" and moved:
+                assert task.allows(after, task.separation)
+        jumps.append(jumped)
+    assert sum("pick" in jumped for jumped in jumps) >= 3  # the expert gets there
+
+
+@pytest.mark.parametrize("name", TASKS)
 @pytest.mark.parametrize("jumping", [MENDED, PERIODIC], ids=["mended", "periodic"])
 def test_a_kept_demonstration_has_all_its_jumps_none_too_early(name, jumping):
-    collection, task = plan(name, jumping=jumping), get_task(name)
+    collection, task = plan(task=name, jumping=jumping), get_task(name)
     wanted = [("object", "pick")] * jumping.times + [("target", "place")] * (jumping.times if task.has_target else 0)
-    tried = watched(collection, 6)
+    tried = watched(collection, 4)
     kept = [(episode, jumps) for episode, jumps in tried if episode.succeeded]
-    assert len(kept) >= 3
+    assert len(kept) >= 2
     for episode, jumps in kept:
         assert [(what, phase) for what, phase, _ in jumps] == wanted
         assert episode.jumps == len(wanted) == required_jumps(collection)
@@ -84,7 +112,7 @@ def test_a_hand_that_starts_near_jumps_as_soon_as_the_place_was_seen():
 def test_the_hammers_head_decides_and_not_the_fingers():
     jumped = []
     for distance_from in ("fingers", "held"):
-        tried = watched(plan("hammer", jumping=Jumping(distance_from=distance_from)), 15)
+        tried = watched(plan(task="hammer", jumping=Jumping(distance_from=distance_from)), 15)
         jumped.append([any(what == "target" for what, _, _ in jumps) for episode, jumps in tried if episode.succeeded])
     assert sum(jumped[0]) <= 0.7 * len(jumped[0]) and all(jumped[1]) and len(jumped[1]) >= 13
 
@@ -92,7 +120,7 @@ def test_the_hammers_head_decides_and_not_the_fingers():
 @pytest.mark.parametrize(("name", "point"), [("pick-place", "body:obj"), ("assembly", "site:RoundNut"),
                                              ("box-close", "body:top_link"), ("hammer", "geom:HammerHead")])
 def test_the_target_jumps_when_what_is_held_is_near(name, point):
-    collection, distances = plan(name), []
+    collection, distances = plan(task=name), []
 
     class Measure(gymnasium.Wrapper):
         def step(self, action):
@@ -143,10 +171,3 @@ def test_the_default_does_not_enter_the_hash_and_the_mended_one_does():
              for collection in (Collection(task="pick-place", method="adc", timesteps=300), plan(jumping=Jumping()),
                                 plan(), plan(jumping=PERIODIC))]
     assert specs[0].hash == specs[1].hash and len({spec.hash for spec in specs}) == 3
-
-
-@pytest.mark.parametrize("wrong", [{"method": "static"}, {"method": "move"}, {"jumping": {"times": 0}},
-                                   {"jumping": {"seen_steps": -1}}, {"jumping": {"distance_from": "nose"}}])
-def test_impossible_jumps_are_refused(wrong):
-    with pytest.raises(ValidationError):
-        plan(**wrong)

@@ -4,7 +4,8 @@ from functools import partial
 
 import numpy as np
 import pytest
-import recipes
+from recipes import tiny
+from shared import plan as any_plan
 
 from move.errors import BadInput
 from move.figures.plots import style
@@ -12,7 +13,7 @@ from move.learn.evaluation import Evaluation
 from move.sim.collect import attempts, collect
 from move.sim.collection import Collection
 from move.sim.methods import METHODS
-from move.sim.motion.adc import MENDED, Jumping
+from move.sim.motion.adc import MENDED
 from move.study import run
 from move.study.kinds import policy_run
 from move.study.labels import grid
@@ -23,8 +24,7 @@ from move.validation import build
 HALF = {"static": 0.5, "move": 0.5}
 
 
-def plan(**changes) -> Collection:
-    return build(Collection, **{"task": "pick-place", "method": "mixture", "timesteps": 600, "shares": HALF, **changes})
+plan = partial(any_plan, method="mixture", timesteps=600, shares=HALF)
 
 
 @pytest.mark.parametrize("protocol, factors", [("random", "all"), ("sparse", "object")])
@@ -71,25 +71,6 @@ def test_the_order_in_which_shares_are_written_is_no_other_run():
     assert Collection.model_validate_json(plan().model_dump_json()) == plan()
 
 
-@pytest.mark.parametrize("wrong, message", [
-    ({"shares": {}}, "a mixture of nothing; allowed are shares of two methods or more"),
-    ({"shares": {"static": 0.5}}, "a mixture of static; allowed"),
-    ({"shares": {"static": 0.5, "move": 0.6}}, "shares add up to 1.1; allowed is 1"),
-    ({"shares": {"static": 1.5, "move": -0.5}}, "1.5 given; input should be less than 1"),
-    ({"shares": {"static": float("nan"), "move": 0.5}}, "nan given"),
-    ({"shares": {"static": 0.5, "magic": 0.5}}, "'magic' given; allowed are static, adc, move"),
-    ({"shares": {"static": 0.5, "mixture": 0.5}}, "'mixture' given; allowed are static, adc, move"),
-    ({"shares": {"static": 0.001, "move": 0.999}, "timesteps": 100}, "shares give 0, 100 of 100 timesteps"),
-    ({"method": "move"}, "shares given for method 'move'; allowed with mixture"),
-    ({"jumping": Jumping(times=2)}, "jumping given for method 'mixture'; allowed with adc"),
-    ({"shares": {"static": 0.5, "adc": 0.5}, "object_speed": 0.1}, "nothing moves at a speed under static and adc"),
-])
-def test_shares_that_make_no_whole_are_one_clear_line(wrong, message):
-    with pytest.raises(BadInput, match=message) as problem:
-        plan(**wrong)
-    assert "\n" not in str(problem.value)
-
-
 def test_what_needs_one_method_refuses_a_mixture():
     with pytest.raises(BadInput, match="allowed here is each of its parts"):
         next(attempts(plan(), 0))
@@ -107,7 +88,7 @@ def test_shares_are_an_axis_like_any_other():
 
 
 def test_a_policy_learns_from_a_mixture_and_is_tried_at_configurations_of_each_part(tmp_path):
-    training = recipes.keypoints(gradient_steps=3, warmup_steps=1, batch_size=8)
+    training = tiny()
     spec = PolicyRun(task="pick-place", seed=0, collection=plan(), training=training,
                    evaluation=Evaluation(starts="own", episodes=2))
     result = run.run(spec, tmp_path / "results", scratch=tmp_path / "runs")

@@ -2,7 +2,6 @@
 
 import ast
 
-import matplotlib
 import nbformat
 import papermill
 import pytest
@@ -13,8 +12,6 @@ from move.figures.page import parameters
 from move.figures.page.make import make
 from move.figures.plots import style
 from move.study.profiles import Profile, load_profile
-
-matplotlib.use("Agg")
 
 
 @pytest.mark.parametrize("name", names())
@@ -27,7 +24,10 @@ def test_a_notebook_has_its_figures_parameters_with_the_laptop_profiles_values_a
     assert computes is (False if name in parameters.with_runs() else None)
     assert {key: tuple(value) if isinstance(value, list) else value for key, value in found.items()} == (
         parameters.parameters(name, load_profile("laptop")))
-    sources = [cell.source for cell in nbformat.read(path, 4).cells if cell.cell_type == "code"]
+    notebook = nbformat.read(path, 4)
+    assert sum(cell.cell_type == "markdown" for cell in notebook.cells) >= 2
+    sources = [cell.source for cell in notebook.cells if cell.cell_type == "code"]
+    assert not any("def " in source for source in sources), "an algorithm belongs in the package"
     (made,) = [node for source in sources for node in ast.walk(ast.parse(source))
                if isinstance(node, ast.Call) and ast.unparse(node.func) == "make"]
     assert [ast.unparse(argument) for argument in made.args] == [repr(name), "profile"]

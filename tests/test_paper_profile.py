@@ -48,7 +48,7 @@ def cut(spec: RunSpec, **training: Any) -> RunSpec:
         changes["collection"] = spec.collection.model_copy(update={"timesteps": 40})
     if spec.training:
         changes["training"] = spec.training.model_copy(
-            update={"gradient_steps": 3, "warmup_steps": 1, "batch_size": 8, **training})
+            update={"gradient_steps": 3, "warmup_steps": 1, "batch_size": 4, **training})
     return spec.model_copy(update=changes)
 
 

@@ -5,15 +5,13 @@ import math
 
 import numpy as np
 import pytest
+from shared import move
 
-from move.cli import main
-from move.errors import BadInput
 from move.sim.collect import Collection, collect
 from move.sim.configuration import Box
 from move.sim.motion import equations
 from move.sim.placement import Placement, places, sheet
 from move.sim.tasks import get_task
-from move.validation import build
 
 BOX = Box((-0.1, 0.5, 0.02), (0.3, 0.8, 0.3))
 RULES = ("random", "jittered", "halton")
@@ -76,16 +74,6 @@ def test_the_budget_ends_a_collection_before_its_demonstrations_do():
     assert made.timesteps == 100 == record.timesteps and record.demonstrations < 50
 
 
-@pytest.mark.parametrize("wrong", [
-    {"protocol": "placed"}, {"placement": Placement(places=5)}, {"placement": {"places": 0}, "protocol": "placed"},
-    {"demonstrations": 0},
-    {"method": "mixture", "shares": (("static", 0.5), ("move", 0.5)), "demonstrations": 5},
-])
-def test_what_places_and_demonstrations_cannot_be_is_refused(wrong):
-    with pytest.raises(BadInput):
-        build(Collection, **{"task": "pick-place", "method": "static", "timesteps": 100, **wrong})
-
-
 def test_a_sheet_says_where_from_and_how_the_object_comes_to_its_place():
     box = Box((0, 0, 0), (40, 30, 0))
     listed = places(Placement(places=7), box, 2)
@@ -100,13 +88,11 @@ def test_a_sheet_says_where_from_and_how_the_object_comes_to_its_place():
     assert set(sheet(Placement(places=7), box, 2, 1)[0]) == {"demonstration", "x", "y"}
 
 
-def test_the_sheet_is_written_as_csv_and_bad_corners_are_refused(tmp_path, monkeypatch, capsys):
-    out = tmp_path / "sheet.csv"
-    for words, code in ((["--out", str(out)], 0), (["--within", "3,3,1,4"], 2), (["--within", "a"], 2)):
-        monkeypatch.setattr("sys.argv", ["move", "placements", "--places", "5", "--demonstrations", "9", *words])
-        with pytest.raises(SystemExit) as ended:
-            main()
-        assert ended.value.code == code
-    assert "allowed are the low and the high corner in cm" in capsys.readouterr().err
+def test_the_sheet_is_written_as_csv_and_bad_corners_are_refused(tmp_path, capsys):
+    out, asked = tmp_path / "sheet.csv", ("placements", "--places", "5", "--demonstrations", "9")
+    assert move(capsys, *asked, "--out", str(out))[0] == 0
+    for corners in ("3,3,1,4", "a"):
+        code, _, err = move(capsys, *asked, "--within", corners)
+        assert code == 2 and "allowed are the low and the high corner in cm" in err
     rows = list(csv.DictReader(out.open()))
     assert len(rows) == 9 and rows[0]["x (cm)"] == rows[5]["x (cm)"] and list(rows[0])[1:] == ["x (cm)", "y (cm)"]

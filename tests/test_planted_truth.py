@@ -1,4 +1,5 @@
-"""What the notebooks write, draw and say is what was planted in the results: tables, marks, sentences, verdicts.
+"""What the notebooks write, draw and say is what was planted in the results: tables, marks, sentences, verdicts; and
+each picture can be printed.
 
 Each number is counted again from the planted successes; the formulas of an interval and of p, which have tests of their
 own, are given the cells that it should have been computed from. A wire that is wrong anywhere between a stored row and
@@ -16,31 +17,31 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-import matplotlib
+import matplotlib.pyplot as plt
+import numpy as np
+import pandas as pd
+import pytest
+from matplotlib.axes import Axes
+from matplotlib.collections import PathCollection, QuadMesh
+from matplotlib.colors import to_hex
+from matplotlib.container import ErrorbarContainer
+from matplotlib.lines import Line2D
+from matplotlib.patches import Rectangle
+from matplotlib.text import Text
+from planted import World, features, planted_steps, planted_successes, visited
+from scipy import stats
+from test_figures import BY_HAND, PICTURES, words_of
 
-matplotlib.use("Agg")
-
-import matplotlib.pyplot as plt  # noqa: E402
-import numpy as np  # noqa: E402
-import pandas as pd  # noqa: E402
-import pytest  # noqa: E402
-from matplotlib.axes import Axes  # noqa: E402
-from matplotlib.collections import PathCollection, QuadMesh  # noqa: E402
-from matplotlib.colors import to_hex  # noqa: E402
-from matplotlib.container import ErrorbarContainer  # noqa: E402
-from matplotlib.patches import Rectangle  # noqa: E402
-from planted import World, features, planted_steps, planted_successes, visited  # noqa: E402
-from scipy import stats  # noqa: E402
-
-from move.figures.plots import VERDICT_COLOURS  # noqa: E402
-from move.figures.plots.style import GREY  # noqa: E402
-from move.paper import PAPER, PAPER_TASKS  # noqa: E402
-from move.sim import coverage  # noqa: E402
-from move.sim.grasp_points import CIRCLE  # noqa: E402
-from move.sim.tasks import TASKS, get_task  # noqa: E402
-from move.statistics import distance, estimates, verdicts  # noqa: E402
-from move.statistics.data_efficiency import data_efficiency  # noqa: E402
-from move.statistics.over_tasks import over_tasks  # noqa: E402
+from move.figures.page import captions
+from move.figures.plots import VERDICT_COLOURS, style
+from move.figures.plots.style import GREY
+from move.paper import PAPER, PAPER_TASKS
+from move.sim import coverage
+from move.sim.grasp_points import CIRCLE
+from move.sim.tasks import TASKS, get_task
+from move.statistics import distance, estimates, verdicts
+from move.statistics.data_efficiency import data_efficiency
+from move.statistics.over_tasks import over_tasks
 
 ROUNDED = 1e-4  # of a number in a CSV file
 NAMES = {"static": "static", "adc": "ADC", "move": "MOVE", "mixture": "mixture"}
@@ -1466,6 +1467,47 @@ def test_a_caption_counts_its_own_runs_seeds_and_episodes(world, figure):
     assert ("pixels" in text.split("**What")[0], "keypoints (" in text) == ("rgb" in seen, "keypoints" in seen)
 
 
+DIFFERENCE_SAID = re.compile(r"([+-]\d+)(?: points)? \[([+-]\d+), ([+-]\d+)\]"
+                             r"(, above 0|, below 0|, not distinguishable from 0)?")
+RATE_SAID = re.compile(r"\b(static|ADC|MOVE) (\d+(?:\.\d+)?) ?%")
+
+
+def tables_of(world: World, figure: str) -> list[pd.DataFrame]:
+    world.show(figure)
+    return [pd.read_csv(path) for path in (world.folder / "paper_figures").glob(f"{figure}*.csv")]
+
+
+@pytest.mark.parametrize("figure", sorted({rates.figure for rates in RATES.values()}))
+def test_a_difference_in_a_caption_has_the_interval_and_the_word_of_one_row(world, figure):
+    """ "+12 points [+2, +22], above 0": some row has that difference and interval, and its p after Holm agrees."""
+    rows = [[*(100 * row[name] for name in columns), row.get("holm", np.nan)] for table in tables_of(world, figure)
+            for columns in (("difference", "low", "high"), ("gain", "gain_low", "gain_high"),
+                            ("effect", "effect_low", "effect_high")) if set(columns) <= set(table)
+            for row in table.to_dict("records")]
+    for told in DIFFERENCE_SAID.finditer(world.text(f"{figure}.caption.md")):
+        numbers, word = [int(number) for number in told.groups()[:3]], (told[4] or "").removeprefix(", ")
+        same = [row for row in rows if np.allclose(row[:3], numbers, rtol=0, atol=0.5 + 100 * ROUNDED)]
+        words = {"not distinguishable from 0" if not row[3] < 0.05 else "above 0" if row[0] > 0 else "below 0"
+                 for row in same}
+        assert same and (not word or word in words), told[0]
+
+
+@pytest.mark.parametrize("figure", sorted({rates.figure for rates in RATES.values()}))
+def test_a_rate_in_a_caption_is_that_methods_in_a_table_or_in_the_paper(world, figure):
+    """Or the mean over the rows of a table."""
+    ours, theirs = {}, 100 * PAPER.query("metric in ('success', 'mean_success')").set_index("method").value
+    for table in tables_of(world, figure):
+        for column in {"value", "own", "elsewhere", "in_motion", "rate"} & set(table if "method" in table else ()):
+            for method, values in table.groupby("method")[column]:
+                ours.setdefault(method, []).extend([*(100 * values), 100 * values.mean()])
+    text = re.split(r"\*\*(?:What came out|Alternative text)\.\*\*", world.text(f"{figure}.caption.md"))[1]
+    for part, known in zip(text.partition("Here")[::2], (theirs, ours), strict=True):
+        for name, number in RATE_SAID.findall(part):
+            method = next(key for key, named in NAMES.items() if named == name)
+            half = 0.5 / 10 ** len(number.partition(".")[2]) + 100 * ROUNDED
+            assert np.isclose(known[method], float(number), rtol=0, atol=half).any(), (name, number)
+
+
 # verdicts ------------------------------------------------------------------------------------------------------------
 
 Values = list[tuple[str, float]]  # a word of what is counted, and its number
@@ -1695,6 +1737,36 @@ def test_a_claims_numbers_are_what_was_planted_and_its_verdict_follows(place, nu
         assert verdict == "reproduced", entry["numbers"]
 
 
+INTERVALS: dict[int, tuple[str, dict[str, str]]] = {  # a claim's number -> the table of the same differences, its rows
+    1: ("table2_main_differences_mean", {"baseline": "static"}),
+    2: ("table2_main_differences", {"baseline": "static"}), 3: ("table2_main_differences", {"baseline": "adc"}),
+    4: ("table2_main_differences_mean", {"baseline": "adc"}), 12: ("fig1_sparse_difference", {"hand": "anywhere"}),
+    15: ("fig3_dense_difference", {"hand": "anywhere"}),
+    16: ("fig5_circle_differences", {"hand": "anywhere", "where": "inside"}),
+    17: ("fig5_circle_differences", {"hand": "anywhere", "where": "outside"}),
+    18: ("table1_spatial_factors_lost", {"factors": "all"}),
+    24: ("generalization_differences", {"baseline": "static"}), 25: ("fig_speed_law_others", {}),
+}
+OTHER_SIDE_FIRST = (18, 25)  # claims that are above 0 where the table's row is below
+
+
+@pytest.mark.parametrize("number", INTERVALS)
+def test_a_claims_intervals_are_those_of_the_figures_own_table(world, number):
+    name, only = INTERVALS[number]
+    entry = ledger(world)[number]
+    world.show(entry["figure"])
+    rows = [row for row in world.table(name).to_dict("records") if all(row[key] == only[key] for key in only)]
+    numbers = [each for each in entry["numbers"] if "relative" not in each["what"]]
+    for each, row in zip(numbers, rows, strict=True):
+        found = each["value"], each["low"], each["high"]
+        if number in OTHER_SIDE_FIRST:
+            found = -each["value"], -each["high"], -each["low"]
+        assert found == pytest.approx((row["difference"], row["low"], row["high"]), abs=1.1 * ROUNDED), each
+    if number == 1:
+        assert set(entry["runs"]) == {run.spec.hash for method in ("static", "move") for run in world.found(
+            "table2_main", method=method, observation="rgb")}
+
+
 @pytest.mark.parametrize("number", OF_THE_PAPER)
 def test_what_no_run_decides_has_one_verdict_in_every_world(world, turned, number):
     for there in (world, turned):
@@ -1742,3 +1814,124 @@ def test_the_ledgers_sentence_counts_the_verdicts(world):
     assert f"Of {len(verdicts)} claims" in told
     for verdict in set(verdicts):
         assert re.search(rf"\b{verdicts.count(verdict)} {re.escape(verdict)}(?!,? (smaller|larger))", told), verdict
+
+
+# pictures ------------------------------------------------------------------------------------------------------------
+
+
+LACKING: dict[str, Row] = {  # question marks stand in the place of these cells
+    "fig4_scaling": {"task": "pick-place", "method": "move", "timesteps": 40_000},
+    "fig7_speed": {"task": "pick-place", "method": "move", "camera_speed": round(float(np.radians(2.67)), 6)},
+    "few_demonstrations": {"method": "static", "timesteps": 1550},
+    "fig_training_length": {"task": "push", "method": "move", "length": 3.0},
+}
+
+
+@pytest.fixture(scope="module")
+def lacking(world):
+    """The same world, of which four figures lack a cell; no other test can follow."""
+    for figure, cell in LACKING.items():
+        world.lose(figure, **cell)
+    return world
+
+
+def picture(name: str, world: World) -> plt.Figure:
+    if name in BY_HAND:
+        return BY_HAND[name]()
+    world.show(PICTURES[name])
+    return world.figures[name]
+
+
+def seen_texts(figure: plt.Figure) -> list[Text]:
+    """Every text of a drawn figure that a reader sees: not those of ticks beyond an axis, or of an axis that is off."""
+    unseen = set()
+    for ax in figure.axes:
+        for axis in (ax.xaxis, ax.yaxis):
+            low, high = sorted(axis.get_view_interval())
+            slack = 1e-6 * (high - low)
+            for tick in [*axis.get_major_ticks(), *axis.get_minor_ticks()]:
+                if not (ax.axison and low - slack <= tick.get_loc() <= high + slack):
+                    unseen |= {tick.label1, tick.label2}
+            unseen |= set() if ax.axison else {axis.label, axis.get_offset_text()}
+    return [text for text in figure.findobj(Text) if text.get_text().strip() and text.get_visible()
+            and text not in unseen]
+
+
+@pytest.fixture(params=PICTURES, scope="module")
+def printed(request, lacking):
+    style.use_style()
+    figure = picture(request.param, lacking)
+    figure.set_label(request.param)
+    style.remark(figure, "114 of 154 runs are missing")
+    figure.set_dpi(plt.rcParams["savefig.dpi"])  # as it is written
+    style.settle(figure)
+    figure.draw_without_rendering()
+    yield figure
+    plt.close(figure)
+
+
+def test_a_figure_can_be_printed(printed):
+    """One or two columns wide, no text under 7 points, none cut off at the edge, none over another."""
+    assert round(printed.get_figwidth(), 2) in (style.COLUMN_WIDTH, style.PAGE_WIDTH)
+    texts = seen_texts(printed)
+    assert texts and [text for text in texts if text.get_fontsize() < style.LEAST_POINTS] == []
+    width, height = printed.bbox.width, printed.bbox.height
+    boxes = {text: text.get_window_extent() for text in texts}
+    cut = [text.get_text() for text, box in boxes.items()
+           if box.x0 < -1 or box.y0 < -1 or box.x1 > width + 1 or box.y1 > height + 1]
+    assert cut == []
+    inner = [(text.get_text(), box.x0 + 1, box.x1 - 1, box.y0 + 1, box.y1 - 1) for text, box in boxes.items()]
+    over = [(one[0], other[0]) for place, one in enumerate(inner) for other in inner[:place]
+            if min(one[2], other[2]) > max(one[1], other[1]) and min(one[4], other[4]) > max(one[3], other[3])]
+    assert over == []
+
+
+def test_panels_have_letters_in_order(printed):
+    named = [ax.get_title(loc="left") for ax in printed.axes if ax.get_title(loc="left")]
+    letters = re.findall(r"\\bf\{([a-z])\}", " ".join(named))
+    assert letters == (list("abcdefghijkl"[:len(named)]) if len(named) > 1 else [])
+    panels = [ax for ax in printed.axes if ax.get_label() != "<colorbar>"]
+    assert len(named) == len(panels) or len(panels) == 1
+
+
+def lines(figure: plt.Figure, **wanted) -> list[Line2D]:
+    """The lines and points of a figure, legends left out, whose properties are these."""
+    return [line for ax in figure.axes for line in ax.get_lines() if len(line.get_xdata())
+            and all(getattr(line, f"get_{name}")() == value for name, value in wanted.items())]
+
+
+NAMED = {  # what a caption calls it -> whether it is drawn
+    r"[Ww]hite dots": lambda figure: any(
+        isinstance(dots, PathCollection) and dots.get_sizes().tolist() == [8] and len(dots.get_offsets())
+        for ax in figure.axes for dots in ax.collections),
+    r"dotted": lambda figure: lines(figure, linestyle=":", color="black"),
+    r"[Dd]iamond": lambda figure: lines(figure, marker="D") and figure.get_label() != "statistics",  # "one shape a ..."
+    r"[Qq]uestion marks": lambda figure: lines(figure, marker="$?$"),
+    r"seen from above": lambda figure: any(isinstance(mesh, QuadMesh) for ax in figure.axes for mesh in ax.collections)
+    or figure.get_label() in ("fig2_overview", "fig8_real_setup"),
+    r"interval": lambda figure: any(isinstance(bars, ErrorbarContainer) for ax in figure.axes for bars in ax.containers)
+    or figure.get_label() == "statistics",
+    r"Rings": lambda figure: any(isinstance(dots, PathCollection) and dots.get_sizes().tolist() == [22]
+                                 for ax in figure.axes for dots in ax.collections)
+    and figure.get_label() != "fig3_dense",  # whose grasp points lie everywhere
+    r"Open points": lambda figure: lines(figure, label="_pooled"),
+    r"hollow": lambda figure: [line for line in lines(figure, marker="o") if to_hex(line.get_mfc()) == "#ffffff"
+                               and line.get_label() != "_pooled"],
+}
+
+
+def test_the_caption_names_the_marks_that_are_drawn_and_no_other(printed):
+    text = captions.caption(words_of(printed.get_label())).text
+    told = {mark: bool(re.search(mark, text)) for mark in NAMED}
+    assert told == {mark: bool(there(printed)) for mark, there in NAMED.items()}
+
+
+def test_every_letter_that_the_caption_names_is_a_panel(printed):
+    panels = set(re.findall(r"\\bf\{([a-z])\}", " ".join(ax.get_title(loc="left") for ax in printed.axes)))
+    told = re.findall(r"\(([a-z])(?:, ([a-z])| to ([a-z])| and ([a-z]))?\)", words_of(printed.get_label()).shown)
+    assert {letter for letters in told for letter in letters if letter} <= panels
+
+
+def test_what_comes_from_keypoints_says_so(lacking):
+    for name in ("keypoint_control", "table_keypoint_control", "table2_main", "table_adc", "fig_perception"):
+        assert any("keypoints" in text.get_text() for text in seen_texts(picture(name, lacking))), name

@@ -1,18 +1,14 @@
-"""Every plot draws each method in its own colour, under its own name, at the numbers it was given."""
+"""What the planted world does not see of the plots: markers, names, dots of seeds, what is missing, maps."""
 
-import matplotlib
+import matplotlib.pyplot as plt
+import numpy as np
+import pandas as pd
+import pytest
+from matplotlib.collections import PathCollection
+from matplotlib.colors import to_hex
 
-matplotlib.use("Agg")
-
-import matplotlib.pyplot as plt  # noqa: E402
-import numpy as np  # noqa: E402
-import pandas as pd  # noqa: E402
-import pytest  # noqa: E402
-from matplotlib.collections import PathCollection  # noqa: E402
-from matplotlib.colors import to_hex  # noqa: E402
-
-from move.figures import plots  # noqa: E402
-from move.figures.plots import maps, style  # noqa: E402
+from move.figures import plots
+from move.figures.plots import maps, style
 
 COLOUR = {"static": "#0072b2", "adc": "#e69f00", "move": "#d55e00"}  # Okabe and Ito: blue, orange, vermillion
 NAME = {"static": "static", "adc": "ADC", "move": "MOVE"}
@@ -45,50 +41,16 @@ def many(column: str, values) -> pd.DataFrame:
 
 COSTS = pd.DataFrame([{"task": task, "method": method, "expert": expert, "mean_steps": VALUE[method] + task / 100}
                       for method in METHODS for expert in ("phase", "metaworld") for task in (-1, 0, 1)])
-DRAWN = {  # plot -> how it is drawn with every method
-    "grouped_rates": lambda: draw(plots.grouped_rates, rows(where="here"), "where", ["here"]),
+DRAWN = {  # plots of points, with every method
     "covered": lambda: draw(plots.covered, rows().assign(task="push", moves="all", joint=[0.2, 0.4, 0.9]), "joint"),
-    "ladder": lambda: draw(plots.ladder, rows().assign(moves=METHODS), "moves"),
     "curve": lambda: draw(lambda table, ax: plots.curve(table, "timesteps", "timesteps", ax, log=True),
                           many("timesteps", (100, 200))),
-    "printed_points": lambda: draw(plots.printed_points, rows(timesteps=20_000)),
     "task_rates": lambda: draw(plots.task_rates, rows(task="push"), pd.DataFrame()),
     "own_and_elsewhere": lambda: draw(plots.own_and_elsewhere, rows(group="random")),
-    "costs": lambda: draw(plots.costs, COSTS, "mean_steps", {}),
 }
 
 
-def marks(ax: plt.Axes) -> dict[str, set[float]]:
-    """Colour -> heights of the bars and of the points of that colour, hollow ones left out."""
-    found: dict[str, set[float]] = {}
-    for bar in ax.patches:
-        found.setdefault(to_hex(bar.get_facecolor()), set()).add(round(float(bar.get_height()), 6))
-    for line in ax.get_lines():
-        heights = {round(float(value), 6) for value in line.get_ydata() if np.isfinite(value)}
-        if line.get_marker() in ("o", "s", "^", "D") and heights:
-            found.setdefault(to_hex(line.get_color()), set()).update(heights)
-    return found
-
-
 @pytest.mark.parametrize("name", DRAWN)
-def test_each_method_has_its_colour_at_its_number_in_every_plot(name):
-    drawn = marks(DRAWN[name]())
-    for method, colour in COLOUR.items():
-        assert VALUE[method] in drawn[colour], method
-    assert set(drawn) <= {*COLOUR.values(), "#444444"}, "and no other colour but the dots of single tasks"
-
-
-def test_every_plot_of_methods_stands_in_this_file():
-    """What is left out draws no method, or is a part of what draws one; a reference has a test of its own."""
-    public = {name for name, plot in vars(plots).items()
-              if getattr(plot, "__module__", "").startswith(plots.__name__) and not name.startswith("_")}
-    assert public == {*DRAWN} | {"differences", "changes", "gains", "readings", "level", "coverages", "half_widths",
-                                 "efficiencies", "forest", "forest_entries", "entries", "cost_entries",
-                                 "pooled_entry", "share_interval", "log_ticks", "points_axis", "short", "reference",
-                                 "reference_entry"}
-
-
-@pytest.mark.parametrize("name", ["covered", "curve", "task_rates", "own_and_elsewhere"])
 def test_each_method_has_its_marker_in_every_plot_of_points(name):
     drawn = {(to_hex(line.get_color()), line.get_marker()) for line in DRAWN[name]().get_lines()
              if line.get_marker() in ("o", "s", "^", "v") and len(line.get_xdata())}
@@ -97,13 +59,10 @@ def test_each_method_has_its_marker_in_every_plot_of_points(name):
     assert told == {NAME[method]: marker for method, marker in MARKER.items()}
 
 
-@pytest.mark.parametrize("plot", [
-    lambda table: draw(lambda rows, ax: plots.curve(rows, "timesteps", "", ax), table.assign(timesteps=100)),
-    lambda table: draw(plots.task_rates, table.assign(task="push"), pd.DataFrame()),
-    lambda table: draw(plots.own_and_elsewhere, table.assign(group="grasp"))])
-def test_a_point_whose_interval_is_pooled_is_open_and_the_legend_says_so(plot):
+def test_a_point_whose_interval_is_pooled_is_open_and_the_legend_says_so():
     table = rows().assign(trainings=["moderated", "like cells", "moderated"])
-    hollow = {(to_hex(line.get_color()), y) for line in plot(table).get_lines()
+    drawn = draw(plots.task_rates, table.assign(task="push"), pd.DataFrame())
+    hollow = {(to_hex(line.get_color()), y) for line in drawn.get_lines()
               if line.get_marker() in MARKER.values() and to_hex(line.get_mfc()) == "#ffffff"
               for y in line.get_ydata() if np.isfinite(y)}
     assert hollow == {(COLOUR["adc"], VALUE["adc"])}
@@ -131,13 +90,6 @@ def test_a_reference_is_a_dashed_line_in_its_methods_colour_in_a_band_that_is_it
     assert entry.get_label() == NAME[method]
 
 
-def test_grouped_rates_have_the_papers_value_dotted_and_named_once():
-    ax = draw(plots.grouped_rates, rows(where="here"), "where", ["here"])
-    dotted = [line.get_ydata()[0] for line in ax.get_lines() if line.get_linestyle() == ":"]
-    assert dotted == [value / 2 for value in VALUE.values()]
-    assert ax.get_legend_handles_labels()[1].count("paper") == 1
-
-
 def test_every_bar_has_a_dot_a_seed():
     table = rows(where="here").assign(seeds=[[0.1, 0.3], [0.5], [0.7, 0.8, 0.9]])
     for ax in (draw(plots.grouped_rates, table, "where", ["here"]),
@@ -146,17 +98,14 @@ def test_every_bar_has_a_dot_a_seed():
         assert [[place[1] for place in one.get_offsets()] for one in dots] == table.seeds.tolist()
 
 
-def test_grouped_rates_name_each_bar_by_its_method_also_where_the_first_group_lacks_it():
-    table = pd.concat([rows(where="inside").iloc[:1], rows(where="outside")])
-    handles, labels = draw(plots.grouped_rates, table, "where", ["inside", "outside"]).get_legend_handles_labels()
+@pytest.mark.parametrize("inside", [rows(where="inside").iloc[:1],
+                                    rows(where="inside").assign(value=[0.2, np.nan, 0.8])])
+def test_grouped_rates_name_each_bar_by_its_method_also_where_the_first_group_lacks_it_and_the_paper_once(inside):
+    ax = draw(plots.grouped_rates, pd.concat([inside, rows(where="outside")]), "where", ["inside", "outside"])
+    handles, labels = ax.get_legend_handles_labels()
     named = {label: to_hex(handle[0].get_facecolor()) for handle, label in zip(handles, labels, strict=True)
              if label != "paper"}
-    assert named == {NAME[name]: COLOUR[name] for name in METHODS}
-
-
-def test_grouped_rates_name_a_method_whose_first_bar_is_missing():
-    table = pd.concat([rows(where="inside").assign(value=[0.2, np.nan, 0.8]), rows(where="outside")])
-    assert "ADC" in draw(plots.grouped_rates, table, "where", ["inside", "outside"]).get_legend_handles_labels()[1]
+    assert named == {NAME[name]: COLOUR[name] for name in METHODS} and labels.count("paper") == 1
 
 
 def test_what_is_missing_says_so():
@@ -185,19 +134,11 @@ def test_differences_are_drawn_in_no_methods_colour_and_name_what_they_are():
     assert ax.xaxis.get_major_formatter()(-0.05, 0) == "−5" and ax.xaxis.get_major_formatter()(0.05, 0) == "+5"
 
 
-@pytest.mark.parametrize("log", [False, True])
-def test_a_curve_draws_each_method_at_its_rates(log):
-    table = many("length", (0.333, 1.0, 3.0))
-    ax = draw(lambda rows, ax: plots.curve(rows, "length", "gradient steps", ax, log), table[table.method != "adc"])
-    drawn = {container.get_label(): (to_hex(container[0].get_color()), set(container[0].get_ydata()))
-             for container in ax.containers}
-    assert drawn == {NAME[name]: (COLOUR[name], {VALUE[name]}) for name in ("static", "move")}
-    assert [label.get_text() for label in ax.get_xticklabels()] == ["0.33", "1", "3"]
-
-
-def test_ticks_that_would_touch_have_no_name():
+def test_ticks_have_short_names_and_none_where_they_would_touch():
     ax = draw(lambda ticks, ax: plots.log_ticks(ticks, ax), [5000, 10_000, 40_000, 50_000])
     assert [label.get_text() for label in ax.get_xticklabels()] == ["5k", "10k", "40k", ""]
+    ax = draw(lambda rows, ax: plots.curve(rows, "length", "gradient steps", ax), many("length", (0.333, 1.0, 3.0)))
+    assert [label.get_text() for label in ax.get_xticklabels()] == ["0.33", "1", "3"]
 
 
 def test_the_papers_points_are_hollow_diamonds_at_their_own_budget():
@@ -206,6 +147,12 @@ def test_the_papers_points_are_hollow_diamonds_at_their_own_budget():
         ("D", "none", [20_000])] * 3
     assert [handle.get_label() for handle in plots.entries(["move", "static"], "paper", missing=True)] == [
         "static", "MOVE", "paper", "missing"]
+    ax = DRAWN["task_rates"]()
+    place = [label.get_text() for label in ax.get_xticklabels()].index("Push")
+    theirs = {to_hex(line.get_color()): line.get_xdata()[place] for line in ax.get_lines()
+              if line.get_marker() == "D" and len(line.get_xdata())}
+    ours = {to_hex(container[0].get_color()): container[0].get_xdata()[place] for container in ax.containers}
+    assert set(ours) == set(theirs) and all(theirs[one] > ours[one] for one in ours), "beside the point, not under it"
 
 
 def test_an_efficiency_that_static_does_not_reach_is_hollow_and_points_on():
@@ -227,69 +174,10 @@ def test_a_ladder_tells_what_moves_alone_by_a_lighter_bar():
     assert [label.get_text() for label in ax.get_xticklabels()] == ["nothing", "object\n+ target", "camera\nalone"]
 
 
-def test_the_readings_of_one_method_have_colours_that_no_method_has():
-    table = pd.concat([rows(task="push", jumping=name).query("method == 'adc'") for name in plots.READINGS])
-    ax = draw(plots.readings, table, "jumping")
-    drawn = {container.get_label(): to_hex(container[0].get_color()) for container in ax.containers}
-    assert drawn == {name: colour.lower() for name, colour in plots.READINGS.items()}
-    assert not set(drawn.values()) & set(COLOUR.values())
-    assert all((container[0].get_ydata()[0], container[0].get_marker()) == (VALUE["adc"], MARKER["adc"])
-               for container in ax.containers)
-
-
-def test_task_rates_stand_under_their_tasks_between_floor_and_ceiling_with_the_papers_in_each_methods_colour():
-    controls = pd.DataFrame({"expert": [1.0], "goal-blind": [0.3]}, index=["push"])
-    ax = draw(plots.task_rates, rows(task="push"), controls)
-    place = [label.get_text() for label in ax.get_xticklabels()].index("Push")
-    drawn = {container.get_label(): (to_hex(container[0].get_color()), container[0].get_ydata()[place])
-             for container in ax.containers}
-    assert drawn == {NAME[name]: (COLOUR[name], VALUE[name]) for name in METHODS}
-    levels = {lines.get_label(): lines.get_segments()[place][0][1] for lines in ax.collections
-              if not lines.get_label().startswith("_")}
-    assert levels == {"expert": 1.0, "goal-blind expert": 0.3}
-    theirs = {to_hex(line.get_color()): (line.get_ydata()[place], line.get_xdata()[place]) for line in ax.get_lines()
-              if line.get_marker() == "D" and len(line.get_xdata())}
-    assert {colour: height for colour, (height, _) in theirs.items()} == {
-        COLOUR[name]: VALUE[name] / 2 for name in METHODS}
-    ours = {to_hex(container[0].get_color()): container[0].get_xdata()[place] for container in ax.containers}
-    assert all(theirs[colour][1] > ours[colour] for colour in ours), "beside the point, not under it"
-
-
-def test_a_policy_is_a_line_over_the_places_where_it_was_tried():
-    table = pd.concat([rows(group=group).assign(value=lambda seen, part=part: seen.value * part)
-                       for group, part in (("moving", 0.25), ("grasp", 1), ("random", 0.5))]).assign(low=0.0)
-    ax = draw(plots.own_and_elsewhere, table[~((table.method == "adc") & (table.group == "random"))])
-    assert [label.get_text() for label in ax.get_xticklabels()] == [
-        "at its own\ngrasps", "elsewhere", "elsewhere,\nin motion"]
-    drawn = {to_hex(container[0].get_color()): (container[0].get_xdata().round().tolist(),
-                                                container[0].get_ydata().tolist()) for container in ax.containers}
-    assert drawn == {COLOUR[name]: (places, [pytest.approx(VALUE[name] * part) for part in parts])
-                     for name, places, parts in (("static", [0, 1, 2], (1, 0.5, 0.25)), ("adc", [0, 2], (1, 0.25)),
-                                                 ("move", [0, 1, 2], (1, 0.5, 0.25)))}
-
-
-def test_changes_and_gains_stand_at_their_numbers_beside_their_names_and_minutes():
-    table = pd.DataFrame([{"change": name, "value": value, "low": value - 0.1, "high": value + 0.1, "gain": value - 0.9,
-                           "gain_low": value - 1, "gain_high": value - 0.8, "train_minutes": 2.0}
-                          for name, value in (("chosen", 0.9), ("32 channels", 0.7))])
-    success, gain = draw(plots.changes, table), draw(plots.gains, table)
-    assert [label.get_text() for label in success.get_yticklabels()] == ["chosen", "32 channels"]
-    assert [(container[0].get_xdata()[0], container[0].get_ydata()[0]) for container in success.containers] == [
-        (0.9, 0), (0.7, 1)]
-    assert [container[0].get_xdata()[0] for container in gain.containers] == [0.0, pytest.approx(-0.2)]
-    assert [text.get_text() for text in gain.texts] == ["training", "2.0 min", "2.0 min"]
-    widths = [np.ptp(container[2][0].get_segments()[0][:, 0]) for container in gain.containers]
-    assert widths == pytest.approx([0, 0.2]), "what the others are compared with has no interval"
-
-
 def test_costs_are_means_over_tasks_with_students_interval():
-    table = COSTS.assign(mean_steps=100 * COSTS.mean_steps)
-    ax = draw(plots.costs, table, "mean_steps", {"static": 33.0})
-    drawn = [(to_hex(bar.get_facecolor()), bar.get_height()) for bar in ax.patches]
-    assert drawn == [(COLOUR[name], pytest.approx(100 * VALUE[name])) for name in METHODS for _ in range(2)]
+    ax = draw(plots.costs, COSTS.assign(mean_steps=100 * COSTS.mean_steps), "mean_steps", {"static": 33.0})
     low, high = ax.containers[1][2][0].get_segments()[0][:, 1]
     assert (high - low) / 2 == pytest.approx(4.303 / np.sqrt(3), abs=1e-3)  # t of 2 degrees of freedom, deviation 1
-    assert [label.get_text() for label in ax.get_xticklabels()] == [NAME[name] for name in METHODS]
 
 
 def test_no_interval_of_a_share_leaves_0_and_1():

@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from safetensors.numpy import save_file
-from test_cli import move
+from shared import move, needs_gl
 
 from move import paths
 from move.errors import BadInput
@@ -15,7 +15,6 @@ from move.figures.page import parameters
 from move.figures.plots import film
 from move.learn.agents import PolicyAgent, Recorded
 from move.learn.evaluation import Evaluation, starts
-from move.machine import gl_problem
 from move.sim.tasks import get_task
 from move.study import policies, seals
 from move.study.profiles import Profile, load_profile
@@ -24,7 +23,7 @@ LAPTOP = load_profile("laptop")
 SPECS = parameters.specs("rollouts", LAPTOP)
 
 
-@pytest.mark.skipif(gl_problem() is not None, reason="no GL library on this machine")
+@needs_gl
 def test_the_films_shown_are_what_the_shipped_policies_did_and_other_episodes_are_played_anew():
     listed = pd.read_csv(paths.ROOT / "paper_figures/rollouts.csv")
     for spec in SPECS:
@@ -37,7 +36,7 @@ def test_the_films_shown_are_what_the_shipped_policies_did_and_other_episodes_ar
         assert isinstance(acting(1), PolicyAgent) and 1 not in policies.recorded_episodes(spec, LAPTOP)
 
 
-@pytest.mark.skipif(gl_problem() is not None, reason="no GL library on this machine")
+@needs_gl
 def test_the_policy_of_a_stored_run_is_tried_elsewhere_without_training(capsys):
     spec = next(spec for spec in SPECS if spec.method == "move")
     code, out, _ = move(capsys, "evaluate", "--run", spec.hash, "--episodes", "2", "--json")

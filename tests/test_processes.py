@@ -9,6 +9,7 @@ from contextlib import suppress
 
 import psutil
 import pytest
+from shared import refused
 
 from move import paths
 from move.errors import BadInput
@@ -46,9 +47,8 @@ def test_a_killed_process_costs_its_run_alone_and_the_same_command_goes_on(tmp_p
 ])
 def test_what_goes_wrong_in_a_process_is_one_line_here(tmp_path, monkeypatch, spec, there, problem):
     monkeypatch.setattr(processes, "deciding", lambda: deciding() | there)
-    with pytest.raises(RunFailed, match=problem) as failed:
+    with refused(problem, RunFailed):
         Processes().compute(spec, tmp_path)
-    assert "\n" not in str(failed.value)
 
 
 def test_once_ended_no_process_is_started(tmp_path):
@@ -96,9 +96,9 @@ Processes().compute(control_run(task="pick-place", agent="expert", episodes=99),
 """
 
 
-@pytest.mark.parametrize("seconds", [0.0, 0.1, 0.5, 2.0])
+@pytest.mark.parametrize("seconds", [0.0, 1.0])
 def test_no_process_outlives_the_one_that_started_it(tmp_path, seconds):
-    """Killed so many seconds after the process of a run began: before, while and after that imports what is slow."""
+    """Killed so many seconds after the process of a run began: before and while that imports what is slow."""
     parent = psutil.Popen([sys.executable, "-c", PARENT], cwd=tmp_path,
                           env={**os.environ, "PYTHONPATH": str(paths.ROOT), "MOVE_ROOT": str(tmp_path)})
     while len(workers := parent.children(recursive=True)) < 2 + (sys.platform == "linux"):  # multiprocessing's too

@@ -4,27 +4,20 @@ import io
 import json
 import re
 import subprocess
-from copy import deepcopy
 
-import matplotlib
+import pytest
+from conftest import notebooks_in_git
+from rich.console import Console
 
-matplotlib.use("Agg")
-
-import nbformat  # noqa: E402
-import pytest  # noqa: E402
-from conftest import notebooks_in_git  # noqa: E402
-from nbstripout import strip_output  # noqa: E402
-from rich.console import Console  # noqa: E402
-
-from move import paths  # noqa: E402
-from move.errors import BadInput  # noqa: E402
-from move.figures import fig1_sparse, names  # noqa: E402
-from move.figures.page import changes, data, kept, kernels, parameters  # noqa: E402
-from move.figures.page.make import make, steps  # noqa: E402
-from move.figures.plots import style  # noqa: E402
-from move.study import execute  # noqa: E402
-from move.study.profiles import load_profile  # noqa: E402
-from move.study.results import Result, store  # noqa: E402
+from move import paths
+from move.errors import BadInput
+from move.figures import fig1_sparse, names
+from move.figures.page import changes, data, kept, kernels, parameters
+from move.figures.page.make import make, steps
+from move.figures.plots import style
+from move.study import execute
+from move.study.profiles import load_profile
+from move.study.results import Result, store
 
 LAPTOP = load_profile("laptop")
 
@@ -116,14 +109,6 @@ def test_a_figures_files_are_listed_with_its_pictures_first():
 
 def test_bad_input_in_a_notebook_is_one_line():
     assert BadInput("seeds: -1 given")._render_traceback_()[0].endswith("BadInput\x1b[0m: seeds: -1 given")
-
-
-@pytest.mark.parametrize("name", names())
-def test_no_notebook_in_git_holds_outputs(name):
-    notebook = nbformat.read(paths.NOTEBOOKS / f"{name}.ipynb", 4)
-    assert strip_output(deepcopy(notebook), keep_output=False, keep_count=False, keep_id=True) == notebook
-    notebook.cells[2].execution_count = 1
-    assert strip_output(deepcopy(notebook), keep_output=False, keep_count=False, keep_id=True) != notebook
 
 
 def test_tests_read_a_notebook_as_git_has_it(tmp_path, monkeypatch):

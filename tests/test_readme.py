@@ -96,3 +96,14 @@ def test_every_name_of_the_papers_symbols_is_in_the_package():
     for cell in re.findall(r"^\|[^|]*\|([^|]*)\|", rows, re.M)[1:]:
         for name in re.findall(r"`([\w.*]+)`", cell):
             assert re.search(rf"\b{re.escape(name.split('.')[-1]).replace(re.escape('*'), '')}", source), name
+
+
+def test_the_deviations_say_the_means_that_the_tables_have():
+    text, folder = (paths.ROOT / "KNOWN_DEVIATIONS.md").read_text(encoding="utf-8"), paths.ROOT / "paper_figures"
+    rates = pd.read_csv(folder / "table2_main.csv").groupby("method").value.mean()
+    readings = pd.read_csv(folder / "table_adc_means.csv").set_index(["observation", "jumping"])["mean"]
+    static, adc, move, *ways = (f"{mean:.3f}"[1:] for mean in (
+        *(rates[method] for method in ("static", "adc", "move")),
+        *(readings[seen, way] for seen in ("rgb", "keypoints") for way in ("mended", "as printed"))))
+    assert f"with its present one they are {static}, {adc} and {move}" in text
+    assert "ADC has {} so and {} as printed from pixels (one seed), {} and {} from keypoints".format(*ways) in text

@@ -1,20 +1,16 @@
 """Figures of the real robot: counts, scores and places stand where their method and their budget are named."""
 
-import matplotlib
+import matplotlib.pyplot as plt
+import numpy as np
+import pandas as pd
+import pytest
+from matplotlib.colors import to_hex
+from matplotlib.patches import Rectangle
 
-matplotlib.use("Agg")
-
-import matplotlib.pyplot as plt  # noqa: E402
-import numpy as np  # noqa: E402
-import pandas as pd  # noqa: E402
-import pytest  # noqa: E402
-from matplotlib.colors import to_hex  # noqa: E402
-from matplotlib.patches import Rectangle  # noqa: E402
-
-from move.figures.plots import real as real_plots  # noqa: E402
-from move.figures.plots import real_figures, style  # noqa: E402
-from move.paper import REAL_RADIUS_M  # noqa: E402
-from move.realworld.trials import comparisons, real_table  # noqa: E402
+from move.figures.plots import real as real_plots
+from move.figures.plots import real_figures, style
+from move.paper import REAL_RADIUS_M
+from move.realworld.trials import comparisons, real_table
 
 COLOUR = {method: style.COLOURS[method].lower() for method in ("static", "move")}
 
@@ -118,7 +114,10 @@ def test_the_orange_is_joined_within_an_episode_and_rows_grow_downwards(ax):
 
 def test_figure_8_counts_each_methods_demonstrations_grasps_and_cells():
     frames = np.zeros((3, 18, 32, 3), np.uint8)
-    figure = real_figures.setup_figure(cells(), steps(), {"move": (frames, ["0 s", "1 s", "2 s"])}, simulated=False)
+    strips = {"move": (frames, ["0 s", "1 s", "2 s"])}
+    toy, figure = (real_figures.setup_figure(cells(), steps(), strips, simulated=simulated)
+                   for simulated in (True, False))
+    assert [one.get_suptitle() for one in (toy, figure)] == [real_figures.SIMULATED_TEXT, ""]
     assert titles(figure) == [
         "static: 2 demonstrations, 1 grasps", "static: 25 % of cells visited by the hand",
         "MOVE: 3 demonstrations, 3 grasps", "MOVE: 75 % of cells visited by the hand",
@@ -126,7 +125,7 @@ def test_figure_8_counts_each_methods_demonstrations_grasps_and_cells():
     panels = [ax for ax in figure.axes if ax.get_title(loc="left")]
     ways = [{to_hex(line.get_color()) for line in panels[place].get_lines()} for place in (0, 2)]
     assert COLOUR["static"] in ways[0] - ways[1] and COLOUR["move"] in ways[1] - ways[0]
-    plt.close(figure)
+    plt.close("all")
 
 
 def test_what_is_simulated_is_headed_so_and_nothing_lies_over_the_data():

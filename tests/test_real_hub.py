@@ -10,6 +10,7 @@ import real_writers as w
 from hub_server import COMMIT, about, row, serving
 from huggingface_hub import HfApi
 from huggingface_hub.utils import _http
+from shared import full_disk
 
 from move.errors import BadInput
 from move.realworld import dataset, hub, open_dataset
@@ -123,11 +124,8 @@ def test_no_network_and_a_full_disk_are_one_line(served, tmp_path, monkeypatch):
     monkeypatch.setattr(hub, "HfApi", functools.partial(HfApi, endpoint="http://127.0.0.1:9", token=False))
     assert "no network" in refusal(tmp_path)
 
-    def full(*_, **__):
-        raise OSError(28, "No space left on device")
-
     monkeypatch.setattr(hub, "HfApi", functools.partial(HfApi, endpoint=served.endpoint, token=False))
-    monkeypatch.setattr(HfApi, "hf_hub_download", full)
+    monkeypatch.setattr(HfApi, "hf_hub_download", full_disk)
     assert "cannot be kept on this disk" in refusal(tmp_path)
 
 

@@ -69,30 +69,10 @@ def test_a_pose_in_centimetres_is_not_taken_for_one_in_millimetres(tmp_path, sai
         assert data.episodes[0].end_effector is None
 
 
-def test_a_unit_that_a_quantity_cannot_have_is_named_and_not_used(tmp_path):
-    names = [*(f"joint_{n}_rad" for n in range(1, 7)), "gripper_mdeg"]
-    data = open_dataset(w.lerobot_v2(tmp_path / "d", names=names))
-    assert "names: mdeg, no unit of it" in data.units.set_index("quantity").note["gripper"]
-    assert data.episodes[0].gripper is None and data.episodes[0].joints is not None
-
-
-def test_between_the_ranges_is_unknown_and_left_out(tmp_path):
-    data = open_dataset(source(tmp_path / "d", 5.0 / 1.66, [0.0, 5.0, 0.0]))
-    told = data.units.set_index("quantity")
-    assert told["unit"].to_dict() == {"time": "s", "joints": "unknown", "gripper": "unknown"}
-    assert "units file" in told.loc["joints", "note"]
-    assert (data.episodes[0].joints is None and data.episodes[0].gripper is None
-            and data.episodes[0].gripper_unit is None)
-
-
-def test_column_names_decide_and_contradictions_are_not_settled(tmp_path):
+def test_column_names_decide(tmp_path):
     names = [f"arm_joint_{n}_rad" for n in range(1, 7)] + ["gripper_open_scale"]
     data = open_dataset(source(tmp_path / "a", 1.0, [0, 1, 0], names=names))
     assert set(data.units["decided_by"]) == {"names", "the stated rate"}
-    data = open_dataset(source(tmp_path / "b", 180 / np.pi, [0, 1, 0], names=names))
-    row = data.units.set_index("quantity").loc["joints"]
-    assert row["unit"] == "unknown" and "names: rad" in row["note"] and "look like deg" in row["note"]
-    assert data.episodes[0].joints is None
 
 
 def test_a_units_file_overrides(tmp_path):
@@ -122,7 +102,9 @@ def test_a_part_of_its_own_wins_and_closed_can_be_high(tmp_path):
                                                                                    "names: rad"),
     ("joint_mrad", 1.0, 0.07, "joints", "names: mrad, no unit of it"),
     ("gripper_centimeters", 1.0, 0.09, "gripper", "names: cm"), (None, 1.0, 100.0, "gripper", "mm or per cent"),
-    ("gripper_percent", 1.0, 1.0, "gripper", "names: percent"),
+    ("gripper_percent", 1.0, 1.0, "gripper", "names: percent"), ("gripper_mdeg", 1.0, 0.07, "gripper", "mdeg, no unit"),
+    (None, 5.0 / 1.66, 5.0, "joints", "units file"), (None, 5.0 / 1.66, 5.0, "gripper", "between the known ranges"),
+    ("joint_rad", 180 / np.pi, 1.0, "joints", "names: rad; the numbers look like deg"),
     ("gripper_deg", 1.0, 1.5, "gripper", "names: deg"),
     ("joint_deg", 1.0, 0.07, "joints", "names: deg; the numbers look like rad"),
     ("joint_mdeg", 180 / np.pi, 0.07, "joints", "names: mdeg; the numbers look like deg")])
@@ -138,8 +120,8 @@ def test_numbers_that_do_not_fit_a_unit_have_none(tmp_path, names, joints, gripp
 
 
 @pytest.mark.parametrize(("stated", "change", "quantity", "note"), [
-    ("rad", lambda values, n: values * np.where(np.arange(7) < 6, 1 if n else 180 / np.pi, 1), "joints",
-     "single episodes look like deg and like rad"),
+    *((stated, lambda values, n: values * np.where(np.arange(7) < 6, 1 if n else 180 / np.pi, 1), "joints",
+       "single episodes look like deg and like rad") for stated in ("rad", None)),
     (None, lambda values, n: values * np.where(np.arange(7) < 6, 1, 1 if n else 10), "gripper",
      "single episodes look like m and like normalised"),
     (None, lambda values, n: values * np.where(np.arange(7) == 3, 500, 1), "joints", "joint 4 is up to")])
@@ -149,6 +131,7 @@ def test_numbers_of_two_units_have_none(tmp_path, stated, change, quantity, note
                                      values=lambda n: change(w.state(n), n)))
     told = data.units.set_index("quantity").loc[quantity]
     assert told["unit"] == "unknown" and note in told["note"]
+    assert all(getattr(episode, quantity) is None for episode in data.episodes)
 
 
 def test_a_units_file_is_followed_and_held_against_the_numbers(tmp_path):
@@ -210,19 +193,6 @@ def test_joints_that_name_several_units_or_one_that_is_none_have_none(tmp_path, 
     data = open_dataset(w.lerobot_v2(tmp_path / "d", names=names))
     assert said in data.units.set_index("quantity").note["joints"]
     assert all(episode.joints is None for episode in data.episodes)
-
-
-def test_episodes_that_look_like_different_units_have_none_unless_it_is_said(tmp_path):
-    def values(n):
-        return np.column_stack([w.joints(n) * (1, 180 / np.pi)[n], np.linspace(0.09, 0.05, w.STEPS)])
-
-    folder = w.lerobot_v2(tmp_path / "d", values=values, dtype=np.float64)
-    data = open_dataset(folder)
-    assert "single episodes look like deg and like rad" in data.units.set_index("quantity").note["joints"]
-    assert all(episode.joints is None for episode in data.episodes)
-    (tmp_path / "units.yaml").write_text("'*': {joints: rad}")
-    said = open_dataset(folder, units_file=tmp_path / "units.yaml")
-    np.testing.assert_allclose(said.episodes[0].joints, w.joints(0), rtol=1e-9)
 
 
 def test_what_is_relative_is_no_joint(tmp_path):

@@ -1,10 +1,6 @@
-"""Coverage, grasps, tracking and the pictures, on arrays whose answers are written by hand."""
+"""Coverage, grasps and tracking, on arrays whose answers are written by hand."""
 
 import dataclasses
-
-import matplotlib
-
-matplotlib.use("agg")
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -14,15 +10,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from matplotlib.colors import rgb_to_hsv
 
-from move.figures.page.make import make
-from move.figures.plots import real as real_plots
 from move.figures.plots import real_figures, style
 from move.realworld import tracking, workspace
 from move.realworld.episode import RobotEpisode
 from move.realworld.frames import Frames
 from move.realworld.piper import forward_kinematics
-from move.realworld.trials import real_table
-from move.study.profiles import Profile
 
 
 def episode(xy, gripper=None, method="move", index=0, frames=None):
@@ -152,60 +144,3 @@ def test_seen_share_counts_square_cells(monkeypatch):
     places = pd.DataFrame({"row": [0.0, 4.9, 5.1, np.nan], "column": [0.0, 4.0, 9.9, 1.0], "height": 10, "width": 20})
     assert tracking.seen_share(places) == 2 / 8
     assert tracking.seen_share(places.iloc[3:]) == 0
-
-
-def test_pictures_draw_without_disk_and_keep_their_colours():
-    figure, axes = plt.subplots(1, 2)
-    real_plots.success_cells(real_table(), axes[0])
-    real_plots.score_cells(real_table(), axes[1])
-    faces = [matplotlib.colors.to_hex(bar.get_facecolor()) for bar in axes[0].patches]
-    assert faces == ["#0072b2", "#d55e00", "#0072b2", "#d55e00"]
-    assert [bar.get_height() for bar in axes[0].patches] == pytest.approx([1 / 30, 7 / 30, 7 / 30, 11 / 30])
-    assert "7/30" in [text.get_text() for text in axes[0].texts]
-    plt.close(figure)
-
-
-@pytest.mark.parametrize("simulated", [True, False])
-def test_setup_figure_says_what_it_is(simulated):
-    episodes = [
-        episode([[0.1, 0.1], [0.3, 0.1], [0.3, 0.2], [0.3, 0.3]], [9, 1, 1, 1], method, frames=[square(1, 1)] * 4)
-        for method in ("static", "move")
-    ]
-    steps = workspace.path_table(episodes)
-    figure = real_figures.setup_figure(workspace.coverage_by_method(steps), steps,
-                                      workspace.frame_strips(episodes), simulated=simulated)
-    assert (figure.get_suptitle() == real_figures.SIMULATED_TEXT) == simulated
-    assert len([ax for ax in figure.axes if ax.get_label() != "<colorbar>"]) == 6
-    plt.close(figure)
-
-
-@pytest.mark.parametrize("methods", [("static", "move"), ("unknown",)])
-def test_object_figure_one_map_a_method(methods):
-    episodes = [
-        episode(np.zeros((12, 2)), method=method, frames=[square(2, n) for n in range(12)]) for method in methods
-    ]
-    places = tracking.object_places(episodes, "cam")
-    figure = real_figures.object_figure(places, tracking.object_speeds(places), simulated=True)
-    assert len(figure.axes) == len(methods) + 1 and figure.get_suptitle() == real_figures.SIMULATED_TEXT
-    plt.close(figure)
-
-
-def test_speed_dots_one_dot_an_episode():
-    figure, ax = plt.subplots()
-    real_plots.speed_dots(
-        pd.DataFrame({"method": ["static", "move", "move"], "mean_speed": [0.0, 1.0, np.nan], "unit": "m"}), ax)
-    assert [len(line.get_xdata()) for line in ax.lines] == [1, 1]
-    plt.close(figure)
-
-
-def test_table_3_is_written_the_same_twice(tmp_path, monkeypatch):
-    contents = []
-    for name in ("a", "b"):
-        monkeypatch.setattr(Profile, "figures", property(lambda _, name=name: tmp_path / name))
-        make("table3_real", "laptop")
-        contents.append({file.name: file.read_bytes() for file in sorted((tmp_path / name).iterdir())})
-    assert contents[0] == contents[1] and len(contents[0]) == 5
-    assert pd.read_csv(tmp_path / "a/table3_real.csv")["successes"].tolist() == [1, 7, 7, 11]
-    printed = contents[0]["table3_real.tex"]
-    assert b"7/30" in printed and b"9.9 to 42.3" in printed and b"\\%" in printed
-

@@ -1,25 +1,19 @@
-"""The scene: Gymnasium's rules, determinism, success as in Meta-World, a camera and keypoints that fit the pictures."""
+"""The scene: determinism, phases, a camera and keypoints that fit the pictures; every task's is in test_tasks."""
 
 import math
-import warnings
 from dataclasses import replace
 
-import gymnasium
 import mujoco
 import numpy as np
 import pytest
-from gymnasium.utils.env_checker import check_env
-from metaworld.env_dict import ALL_V3_ENVIRONMENTS
-from metaworld.policies import ENV_POLICY_MAP
+from shared import needs_gl
 
 from move.errors import BadInput
-from move.machine import gl_problem
 from move.sim.experts.phase import make_expert
 from move.sim.scene import camera
 from move.sim.scene.scene import Scene
-from move.sim.tasks import FACTORS, get_task
+from move.sim.tasks import get_task
 
-needs_gl = pytest.mark.skipif(gl_problem() is not None, reason="no GL library on this machine")
 TASK = get_task("pick-place")
 
 
@@ -28,26 +22,6 @@ def rollout(scene: Scene, **reset) -> np.ndarray:
     rng = np.random.default_rng(0)
     observations += [scene.step(rng.uniform(-1, 1, 4))[0] for _ in range(20)]
     return np.array(observations)
-
-
-def test_it_passes_gymnasiums_checks():
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # keypoints have no natural limits
-        check_env(gymnasium.make("MOVE/pick-place-v0").unwrapped, skip_render_check=gl_problem() is not None)
-
-
-def test_the_registered_scene_ends_after_200_steps():
-    env = gymnasium.make("MOVE/pick-place-v0")
-    env.reset(seed=0)
-    flags = [env.step(np.zeros(4, np.float32))[3] for _ in range(200)]
-    assert flags == [False] * 199 + [True]
-
-
-def test_same_seed_same_trajectory_bit_for_bit():
-    first, second = Scene(), Scene()
-    assert np.array_equal(rollout(first, seed=7), rollout(second, seed=7))
-    assert np.array_equal(rollout(first, seed=7), rollout(second, seed=7))  # nothing is left over from before
-    assert not np.array_equal(rollout(first, seed=7), rollout(second, seed=8))
 
 
 @pytest.mark.parametrize("name", ["pick-place", "assembly"])  # Assembly's gripper turns
@@ -73,17 +47,6 @@ def test_same_configuration_same_trajectory_bit_for_bit():
     assert np.array_equal(rollout(Scene(), options=options), rollout(Scene(), options=options, seed=5))
 
 
-def test_scenes_that_share_a_model_do_not_disturb_each_other():
-    options = [{"configuration": TASK.sample(np.random.default_rng(seed))} for seed in (1, 2)]
-    alone = [rollout(Scene(), options=option) for option in options]
-    scenes, actions = [Scene(), Scene()], np.random.default_rng(0).uniform(-1, 1, (20, 4))
-    together = [[scene.reset(options=option)[0]] for scene, option in zip(scenes, options, strict=True)]
-    for action in actions:
-        for scene, seen in zip(scenes, together, strict=True):
-            seen.append(scene.step(action)[0])
-    assert np.array_equal(alone, together)
-
-
 def test_what_is_moved_is_where_it_was_put():
     scene = Scene()
     scene.reset(seed=0)
@@ -100,39 +63,6 @@ def test_hand_reaches_its_start():
     for seed in range(5):
         scene.reset(seed=seed)
         assert scene.hand == pytest.approx(scene.configuration.hand_position, abs=0.01)
-
-
-class StockReading:
-    """Meta-World's own environment, read as a success condition reads a scene."""
-
-    def __init__(self, stock) -> None:
-        self.stock = stock
-
-    def point(self, name: str) -> np.ndarray:
-        return self.stock._target_pos if name == "target" else self.stock.data.body(name.removeprefix("body:")).xpos
-
-
-def test_success_agrees_with_metaworld_step_by_step():
-    stock, policy = ALL_V3_ENVIRONMENTS["pick-place-v3"](), ENV_POLICY_MAP["pick-place-v3"]()
-    stock._set_task_called, stock._freeze_rand_vec, stock._partially_observable = True, False, False
-    positives = steps = 0
-    for seed in range(4):
-        stock.seed(seed)
-        observation, _ = stock.reset()
-        for _ in range(100):
-            observation[36:] = stock._target_pos  # Meta-World clips it to zero
-            observation, _, _, _, info = stock.step(np.clip(policy.get_action(observation), -1, 1))
-            assert TASK.success(StockReading(stock)) == bool(info["success"])
-            positives, steps = positives + int(info["success"]), steps + 1
-    assert 20 < positives < steps
-
-
-def test_success_without_a_touch_does_not_count():
-    scene = Scene()
-    scene.reset(seed=0)
-    scene.move_object(scene.configuration.target_position, 0.0)
-    scene.advance(np.zeros(4))
-    assert TASK.success(scene) and not scene.success
 
 
 def test_grasping_ends_the_pick_phase():
@@ -204,15 +134,6 @@ def test_pictures_are_the_same_every_time():
     first = Scene(observation="rgb", image_size=48).reset(seed=1)[0]
     assert first.dtype == np.uint8 and first.shape == (48, 48, 3)
     assert np.array_equal(first, Scene(observation="rgb", image_size=48).reset(seed=1)[0])
-
-
-@pytest.mark.parametrize("factors", FACTORS)
-def test_factors_leave_the_rest_fixed(factors):
-    drawn = [TASK.sample(np.random.default_rng(seed), factors) for seed in range(5)]
-    for part, field in (("object", "object_position"), ("target", "target_position"), ("hand", "hand_position"),
-                        ("camera", "camera_angle")):
-        values = {getattr(configuration, field) for configuration in drawn}
-        assert (len(values) == 5) == (part in FACTORS[factors])
 
 
 @pytest.mark.parametrize("make", [lambda: Scene("juggling"), lambda: Scene(observation="smell"),

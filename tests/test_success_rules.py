@@ -105,11 +105,11 @@ def test_demonstrations_of_box_close_end_with_the_lid_on_the_box(method):
     collection = Collection(task="box-close", method=method, timesteps=1,
                             **({"jumping": MENDED} if method == "adc" else {}))
     env, expert, closed = collecting_env(collection), make_expert("phase", get_task("box-close")), 0
-    for attempt in range(25):
+    for attempt in range(10):
         episode = demonstrate(env, expert, attempt_seed(7, attempt), {"factors": "all"})
         assert episode.succeeded <= on_box(env.unwrapped)
         closed += episode.succeeded
-    assert closed >= 24
+    assert closed >= 9
 
 
 def test_a_lid_in_the_air_does_not_close_the_box_though_metaworld_says_so():

@@ -6,30 +6,24 @@ import os
 import re
 
 import pytest
-import recipes
+from recipes import tiny_run
+from shared import full_disk, refused
 
-from move.errors import BadInput
 from move.figures.page import data
 from move.learn.evaluation import Evaluation
 from move.sim.collect import Collection
 from move.study import execute, plan, results, run, stored, verify
 from move.study.labels import LabelledRun
 from move.study.profiles import Profile, load_profile
-from move.study.spec import ControlRun, PolicyRun
-
-TINY = recipes.keypoints(gradient_steps=3, warmup_steps=1, batch_size=8)
-
-
-def spec(seed: int = 0) -> PolicyRun:
-    return PolicyRun(task="pick-place", seed=seed, training=TINY, evaluation=Evaluation(episodes=4),
-                   collection=Collection(task="pick-place", method="static", timesteps=100))
+from move.study.spec import ControlRun
 
 
 @pytest.fixture(scope="module")
 def honest(tmp_path_factory):
     """The text of the files of two results that were computed here."""
     folder = tmp_path_factory.mktemp("honest")
-    return [results.store(run.run(spec(seed), folder, scratch=folder / "runs"), folder).read_text() for seed in (0, 1)]
+    made = [run.run(tiny_run(seed), folder, scratch=folder / "runs") for seed in (0, 1)]
+    return [results.store(result, folder).read_text() for result in made]
 
 
 def replaced(old: str, new: str):
@@ -131,12 +125,12 @@ TAMPERED = [  # what is done, the reason that is told, None where the file stays
     ("forged: deep nesting", forged_text('{"spec":' + "[" * 200_000), "recursion limit"),
     ("forged: a huge number", forged(lambda c: c["spec"].update(seed=10**4000)), "spec"),
     ("forged: a list", forged_text("{}"), "field required"),
-    ("forged: half the rows", forged(each_row(lambda column: column[:2])), "this run has 4"),
+    ("forged: half the rows", forged(each_row(lambda column: column[:2])), "this run has 3"),
     ("forged: a column that the spec does not say", forged(lambda c: c["rows"].update(invented=None)), "invented"),
     ("forged: no outcome", forged(rows(success_steps=None)), "no success_steps"),
     ("forged: success text", forged(rows(success_steps=lambda old: ["yes", *old[1:]])), "success_steps.0: .*integer"),
     ("forged: success beyond its end", forged(rows(success_steps=lambda old: [11, *old[1:]])), "success_steps.0: .*10"),
-    ("forged: NaN", forged(rows(object_x=lambda old: [float("nan")] * 4)), "rows.object_x.*0: .*finite"),
+    ("forged: NaN", forged(rows(object_x=lambda old: [float("nan")] * 3)), "rows.object_x.*0: .*finite"),
     ("forged: steps beyond the episode", forged(rows(steps=lambda old: [201, *old[1:]])), "rows.steps.0: .*200"),
     ("forged: no processor", forged(lambda c: c["provenance"].pop("processor")), "provenance.processor: .*required"),
     ("forged: no training", forged(lambda c: c.update(training=None)), "training: not as a policy's"),
@@ -156,7 +150,7 @@ def folder(tmp_path, monkeypatch):
 
 def tamper(change, honest, folder):
     """The first result, tampered with, and the second as it is; the file of the first."""
-    path, beside = (folder / f"{spec(seed).hash}.json" for seed in (0, 1))
+    path, beside = (folder / f"{tiny_run(seed).hash}.json" for seed in (0, 1))
     beside.write_text(honest[1])
     path.write_text(honest[0])
     text = change(honest[0], path, honest[1])
@@ -168,7 +162,7 @@ def tamper(change, honest, folder):
 @pytest.mark.parametrize(("change", "reason"), [row[1:] for row in TAMPERED], ids=[row[0] for row in TAMPERED])
 def test_one_bad_file_is_one_bad_file(honest, folder, change, reason, monkeypatch):
     path, profile = tamper(change, honest, folder), load_profile("smoke")
-    specs = [spec(0), spec(1)]
+    specs = [tiny_run(0), tiny_run(1)]
     there, missing = results.split(specs, folder)
     (row,) = plan.plan_rows(profile, {"figure": specs})
     checked = {line["file"]: line for line in verify.check_files(folder)}
@@ -187,7 +181,7 @@ def test_one_bad_file_is_one_bad_file(honest, folder, change, reason, monkeypatc
 
 
 def test_a_collection_may_end_before_its_budget_only_with_the_demonstrations_asked_for(tmp_path):
-    ended = spec().model_copy(update={"collection": Collection(
+    ended = tiny_run().model_copy(update={"collection": Collection(
         task="pick-place", method="static", timesteps=400, demonstrations=2)})
     path = results.store(run.run(ended, tmp_path, scratch=tmp_path / "runs"), tmp_path)
     record = results.read(path).collection
@@ -213,7 +207,7 @@ def test_every_way_to_choose_configurations_is_read_as_it_was_stored(tmp_path, t
 def test_verify_has_a_row_for_an_unusable_file(honest, folder, monkeypatch):
     path = tamper(whole("null"), honest, folder)
     monkeypatch.setattr(verify, "draw_sample", lambda *arguments: [])
-    (row,) = verify.verify([spec(0), spec(1), spec(2)], folder, 1, None)
+    (row,) = verify.verify([tiny_run(0), tiny_run(1), tiny_run(2)], folder, 1, None)
     assert not row["same"] and str(path) in row["difference"] and DIGEST in row["difference"]
 
 
@@ -224,7 +218,7 @@ def test_run_sets_a_bad_file_aside_and_computes_anew(honest, folder, change, mon
     monkeypatch.setattr(execute, "ProcessPool", lambda workers: Here())
     path = tamper(change, honest, folder)
     path.with_suffix(".bad").write_text("an older one")
-    there, missing = execute.execute([spec(0), spec(1)], folder, quiet=True)
+    there, missing = execute.execute([tiny_run(0), tiny_run(1)], folder, quiet=True)
     assert len(there) == 2 and not missing
     assert json.loads(path.read_text())["rows"] == json.loads(honest[0])["rows"]
     aside = path.with_suffix(".1.bad")
@@ -234,26 +228,22 @@ def test_run_sets_a_bad_file_aside_and_computes_anew(honest, folder, change, mon
 
 
 def test_a_full_disk_is_one_line_and_leaves_nothing(honest, tmp_path, monkeypatch):
-    result = results.load(spec(0), written(honest[0], tmp_path / "there"))
+    (tmp_path / f"{tiny_run(0).hash}.json").write_text(honest[0])
+    result = results.load(tiny_run(0), tmp_path)
 
     def full(self, text):
         self.touch()
-        raise OSError(28, "No space left on device")
+        full_disk()
 
     monkeypatch.setattr("pathlib.Path.write_text", full)
-    with pytest.raises(BadInput, match="cannot write .*: No space left on device") as problem:
+    with refused("cannot write .*: No space left on device"):
         results.store(result, tmp_path / "full")
-    assert "\n" not in str(problem.value) and not list((tmp_path / "full").iterdir())
-
-
-def written(text, folder):
-    folder.mkdir()
-    (folder / f"{spec(0).hash}.json").write_text(text)
-    return folder
+    assert not list((tmp_path / "full").iterdir())
 
 
 def test_missing_runs_are_named_a_few_and_the_bad_ones_first():
-    missing = [(spec(seed), results.NOT_COMPUTED) for seed in range(4)] + [(spec(9), "result x is not usable: y")]
+    bad = tiny_run(9), "result x is not usable: y"
+    missing = [*((tiny_run(seed), results.NOT_COMPUTED) for seed in range(4)), bad]
     words = results.missing_in_words(missing, shown=2)
-    assert words == f"{spec(9).label} (result x is not usable: y), {spec(0).label}, 3 more"
-    assert results.missing_in_words(missing[:1]) == spec(0).label
+    assert words == f"{tiny_run(9).label} (result x is not usable: y), {tiny_run(0).label}, 3 more"
+    assert results.missing_in_words(missing[:1]) == tiny_run(0).label

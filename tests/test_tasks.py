@@ -15,8 +15,7 @@ from move.errors import BadInput
 from move.learn.agents import Expert, GoalBlind, Nothing
 from move.learn.evaluate import evaluate
 from move.learn.evaluation import Evaluation, starts
-from move.paper import PAPER_METHODS
-from move.sim.collect import Collection, collect, collecting_env, demonstrate
+from move.sim.collect import Collection, collecting_env, demonstrate
 from move.sim.experts.phase import make_expert
 from move.sim.geometry import wrapped
 from move.sim.scene.scene import Scene
@@ -27,7 +26,7 @@ NAMES = tuple(TASKS)
 WITH_YAW = tuple(name for name in NAMES if TASKS[name].has_yaw)
 WITH_TARGET = tuple(name for name in NAMES if TASKS[name].has_target)
 FILTERED = ("assembly", "hammer", "window-open", "faucet-open", "basketball")
-EARLY = Evaluation(episodes=25)
+EARLY = Evaluation(episodes=8)
 
 
 @pytest.fixture(scope="module", params=NAMES)
@@ -120,13 +119,6 @@ def test_a_row_holds_the_tasks_other_condition_and_no_other_tasks(name, other):
 
 
 # collection and experts ------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("method", PAPER_METHODS)
-def test_every_method_collects(task, method):
-    made, record = collect(Collection(task=task.name, method=method, timesteps=300), seed=0)
-    assert made.timesteps == 300 and made.actions.shape[1] == task.action_size
-    assert record.generation_rate >= 0.5
 
 
 @pytest.mark.parametrize("name", ("phase", "metaworld"))

@@ -2,17 +2,19 @@
 
 import ast
 import re
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
-import recipes
+from recipes import tiny
+from shared import plan as any_plan
 
 import move.sim
 from move.learn.agents import Nothing
 from move.learn.evaluate import evaluate
 from move.learn.evaluation import Evaluation, starts
-from move.sim.collect import Collection, collect
+from move.sim.collect import collect
 from move.sim.configuration import Box
 from move.sim.methods import METHODS
 from move.sim.scene.scene import Scene
@@ -75,8 +77,7 @@ def toy(monkeypatch: pytest.MonkeyPatch) -> Task:
     return TOY
 
 
-def plan(**changes) -> Collection:
-    return Collection(**{"task": TOY.name, "method": "static", "timesteps": 600, **changes})
+plan = partial(any_plan, task=TOY.name, method="static", timesteps=600)
 
 
 class Nearest:
@@ -125,7 +126,7 @@ def test_an_agent_solves_a_new_task_from_keypoints(toy):
 
 
 def test_a_policy_of_the_package_is_trained_and_tried_on_a_new_task(toy, tmp_path):
-    training = recipes.keypoints(gradient_steps=4, warmup_steps=1, batch_size=8, mlp_width=16, mlp_depth=1)
+    training = tiny(mlp_width=16, mlp_depth=1)
     evaluation = Evaluation(episodes=2)
     spec = PolicyRun(task=toy.name, seed=0, collection=plan(method="move", timesteps=200),
                    training=training, evaluation=evaluation)

@@ -4,22 +4,18 @@ import os
 import re
 
 import cells
-import matplotlib
+import matplotlib.pyplot as plt
+import pytest
 
-matplotlib.use("Agg")
-
-import matplotlib.pyplot as plt  # noqa: E402
-import pytest  # noqa: E402
-
-from move import paths  # noqa: E402
-from move.errors import BadInput  # noqa: E402
-from move.figures.page import browser, captions, changes, data, kept  # noqa: E402
-from move.figures.page.kernels import of_profile  # noqa: E402
-from move.figures.page.parameters import specs  # noqa: E402
-from move.figures.plots import style  # noqa: E402
-from move.study.plan import plan_rows  # noqa: E402
-from move.study.profiles import load_profile  # noqa: E402
-from move.study.results import NOT_COMPUTED  # noqa: E402
+from move import paths
+from move.errors import BadInput
+from move.figures.page import browser, captions, changes, data, kept
+from move.figures.page.kernels import of_profile
+from move.figures.page.parameters import specs
+from move.figures.plots import style
+from move.study.plan import plan_rows
+from move.study.profiles import load_profile
+from move.study.results import NOT_COMPUTED
 
 LAPTOP = load_profile("laptop")
 MOST_WORDS = 60  # of an answer: the paper, here, how sure; what is more is a table
