@@ -7,7 +7,7 @@ a sentence turns a test red: rates exchanged, a difference turned round, another
 
 Left out are the notebooks that no stored result enters: fig2_overview and demonstrations (they simulate and film; see
 test_coverage, test_film), table3_real (the paper's counts and robot data; test_real_notebook) and
-table4_hyperparameters (the profiles; test_report). Rollouts shows no film here, for no policy is planted.
+table4_hyperparameters (the profiles; test_outputs). Rollouts shows no film here, for no policy is planted.
 """
 
 import functools
