@@ -80,7 +80,8 @@ def students_arm(folder: Path) -> Path:
 
 @pytest.mark.filterwarnings("error:constrained_layout")  # axes that collapse
 @pytest.mark.parametrize("units", ["", "'*': {joints: deg}"])
-def test_a_students_data_set_of_another_arm_is_drawn_without_pipers_kinematics(tmp_path, drawn, units):
+def test_a_students_data_set_of_another_arm_is_drawn_without_pipers_kinematics(tmp_path, drawn, units, monkeypatch):
+    monkeypatch.setattr(style, "MOST_PASSES", 5)
     folder = students_arm(tmp_path / "so100")
     (tmp_path / "units.yaml").write_text(units)
     made = cells.execute(SETUP, dataset=str(folder), units_file=str(tmp_path / "units.yaml") if units else "")["made"]
