@@ -15,19 +15,19 @@ from move.learn.evaluation import Evaluation, starts
 from move.sim.collect import Collection, collect
 from move.sim.tasks import get_task
 
-TIMESTEPS = 800
+TIMESTEPS = 2000
 COLLECTED = {
-    ("static", "random", "all"): "44feb011c6ca086f",
-    ("adc", "random", "all"): "3e8e8e3dae929b6c",
-    ("move", "random", "all"): "89309fa70a24bd4e",
-    ("static", "sparse", "object"): "ed6d6603ff9b22e0",
-    ("static", "dense", "object"): "82d289b4b61150e5",
-    ("static", "circle", "object"): "aac7d8b1170ef457",
-    ("move", "sparse", "object"): "0ae8a3c76caf81b4",
-    ("move", "dense", "object"): "cf05cd28b20002ef",
-    ("move", "circle", "object"): "42104392704d0df6",
-    ("move", "random", "object"): "21eb25e01fe0917e",
-    ("adc", "random", "object+target"): "fd0fc1b78cb8119b",
+    ("static", "random", "all"): "eeaac44e8415cc9d",
+    ("adc", "random", "all"): "588937c88c04fe7a",
+    ("move", "random", "all"): "ed3a091c8df3b2f2",
+    ("static", "sparse", "object"): "b039d37a76b96f06",
+    ("static", "dense", "object"): "3d40d9d3e8bd563c",
+    ("static", "circle", "object"): "aa987692ba0427b0",
+    ("move", "sparse", "object"): "073523515a9ebc26",
+    ("move", "dense", "object"): "7f6310a1f7aa7175",
+    ("move", "circle", "object"): "efc0d163bda8731a",
+    ("move", "random", "object"): "cda932b342b1c18a",
+    ("adc", "random", "object+target"): "f1d6e24da281ed0a",
 }
 TRIED = {
     ("random", "none", "object"): "c41af81bc7a885be",
