@@ -195,6 +195,14 @@ def test_joints_that_name_several_units_or_one_that_is_none_have_none(tmp_path, 
     assert all(episode.joints is None for episode in data.episodes)
 
 
+def test_a_units_file_settles_episodes_that_look_like_different_units(tmp_path):
+    folder = w.lerobot_v2(tmp_path / "d", dtype=np.float64, values=lambda n: np.column_stack(
+        [w.joints(n) * (1, 180 / np.pi)[n], np.linspace(0.09, 0.05, w.STEPS)]))
+    (tmp_path / "units.yaml").write_text("'*': {joints: rad}")
+    episodes = open_dataset(folder, units_file=tmp_path / "units.yaml").episodes
+    np.testing.assert_allclose(episodes[0].joints, w.joints(0), rtol=1e-9)
+
+
 def test_what_is_relative_is_no_joint(tmp_path):
     names = [*(f"delta_joint_{n}" for n in range(1, 7)), "gripper"]
     assert all(episode.joints is None for episode in open_dataset(w.lerobot_v2(tmp_path / "d", names=names)).episodes)
