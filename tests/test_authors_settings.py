@@ -75,7 +75,7 @@ def test_failures_are_kept_where_asked():
     assert kept.timesteps == without.timesteps == 1200
     assert max(kept.lengths) == 200 > max(without.lengths)
     seen = configurations(Collection(**common, keep_failures=True), 0)
-    assert len(seen) == 2500 and seen.episode.nunique() == kept.episodes
+    assert len(seen) == 1200 and seen.episode.nunique() == kept.episodes
 
 
 def test_of_a_failure_that_never_grasped_the_record_has_a_start_and_no_grasp():

@@ -694,7 +694,6 @@ def test_a_level_is_where_a_rate_lies_from_a_goal_blind_expert_to_the_expert(wor
 def test_a_settings_effect_is_its_rate_minus_the_protocols_at_the_same_configurations(world):
     rows = rows_of(world, "gap")
     cells = [cell(world, "gap", row) for row in rows]
-    law = estimates.training_noise_of(cells)
     for row, one in zip(rows, cells, strict=True):
         if row["setting"] == "the package's protocol":
             assert np.isnan(row["effect"])
@@ -702,7 +701,7 @@ def test_a_settings_effect_is_its_rate_minus_the_protocols_at_the_same_configura
         other = cell(world, "gap", {**row, "setting": "the package's protocol"})
         compare = estimates.unpaired_difference if row["setting"] in ELSEWHERE else estimates.difference
         other = other if row["setting"] in ELSEWHERE else other[:, :one.shape[1]]
-        expected = compare(one, other, law)
+        expected = compare(one, other, noise(world, RATES["gap"].law(row)))
         assert row["effect"] == pytest.approx(one.mean() - other.mean(), abs=ROUNDED), row
         ends = (0, 0) if np.array_equal(one, other) else (expected.low, expected.high)
         assert (row["effect_low"], row["effect_high"]) == pytest.approx(ends, abs=ROUNDED), row
