@@ -42,7 +42,7 @@ def drawn(tmp_path, monkeypatch) -> dict[str, plt.Figure]:
 def test_they_make_their_figures_and_tables_from_nothing(tmp_path, drawn, monkeypatch):
     monkeypatch.setenv("HF_HUB_OFFLINE", "1")
     cells.execute(TRIALS, profile="smoke")
-    cells.execute(SETUP, profile="smoke")
+    cells.execute(SETUP, profile="smoke", episodes=5)
     assert set(drawn) == {"table3_real", "fig8_real_setup", "fig8_object_places", "fig8_grasp_places"}
     assert {path.name for path in (tmp_path / "smoke").iterdir()} == {
         f"{name}.{kind}" for name in drawn for kind in ("png", "caption.md")} | {
