@@ -78,7 +78,7 @@ def runs(
     the protocol, they are its first ones.
 
     Args:
-        drawn_tasks: drawn with shadows as well; an image then takes eight times as long.
+        drawn_tasks: drawn with shadows as well; an image then takes ten times as long.
         failing_tasks: where Meta-World's expert's failures are kept as well.
         long_tasks: trained for `longest` times the recipe's steps as well, one seed.
         length_episodes: configurations tried after other lengths of training.

@@ -33,7 +33,7 @@ def _gl() -> Check:
     except Exception as error:  # whatever a GL driver raises: it cannot draw
         return _check("GL", "slow", f"cannot draw: {error}", "apt-get install libegl1 libopengl0 libgl1-mesa-dri")
     if "llvmpipe" in renderer:
-        renderer += ": draws in software, 4-5 ms an image, which is enough"
+        renderer += ": draws in software, 2 to 5 ms an image, which is enough"
     return _check("GL", "fine", renderer)
 
 
