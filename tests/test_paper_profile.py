@@ -5,6 +5,7 @@ size is built and asked once here, and trained with the paper's batch by `make t
 """
 
 import shutil
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +30,7 @@ def protocol(spec: RunSpec) -> str:
     return spec.collection.protocol if spec.collection else "none"
 
 
+@cache
 def kinds() -> dict[str, RunSpec]:
     """One run of each kind: who plays, what is seen, where it grasps; the methods in turn."""
     found: dict[str, list[RunSpec]] = {}
