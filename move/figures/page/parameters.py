@@ -263,8 +263,8 @@ def _later(run: LabelledRun, first: int) -> LabelledRun:
 
 
 def specs(name: str, profile: Profile, changes: Mapping[str, Any] | None = None) -> list[RunSpec]:
-    """The same runs without their labels."""
-    return [run.spec for run in runs(name, profile, changes)]
+    """The same runs without their labels, each once."""
+    return list(dict.fromkeys(run.spec for run in runs(name, profile, changes)))
 
 
 def _limited(value: Any, limit: int | None) -> Any:
