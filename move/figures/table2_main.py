@@ -71,9 +71,13 @@ def tables(data: Data) -> dict[str, pd.DataFrame]:
     return found
 
 
+def _has_all_tasks(tables: dict[str, pd.DataFrame]) -> bool:
+    return tables[""].task.nunique() == len(PAPER_TASKS)
+
+
 def _means(tables: dict[str, pd.DataFrame]) -> pd.DataFrame:
     """Each method's mean over the tasks, and the paper's: its own number of all ten, of fewer its tasks' mean."""
-    if tables[""].task.nunique() < len(PAPER_TASKS):
+    if not _has_all_tasks(tables):
         return tables[""].groupby("method", sort=False, as_index=False)[["value", "paper"]].mean()
     means = tables[""].groupby("method", sort=False, as_index=False).value.mean()
     return with_paper(means, "table2_main", on=["method"], metric="mean_success")
@@ -114,7 +118,7 @@ def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
     ours, theirs = rates_text(means), rates_text(means, "paper")
     keypoints = tables["differences_keypoints_mean"].itertuples()
     given = " and ".join(map(interval_text, keypoints)) or "not computed yet"
-    which = "ten" if tables[""].task.nunique() == len(PAPER_TASKS) else "these"
+    which = "ten" if _has_all_tasks(tables) else "these"
     return (
         f"**The paper:** {which} tasks' mean {theirs}. **Here, from pixels:** {ours}; "
         f"{means_text(tables['differences_mean'])}; from keypoints {given}. **How sure:** trainings differ by "

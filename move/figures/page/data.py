@@ -59,8 +59,7 @@ class Data:
         return self._noises[observation, grid]
 
     def with_missing(self, rates: pd.DataFrame, by: list[str]) -> pd.DataFrame:
-        """A `rate_table` with a row for everything that the runs were to tell, NaN where it is missing, in their order.
-        """
+        """A `rate_table` with a row for all that the runs were to give, NaN where it is missing, in their order."""
         wanted = pd.DataFrame([{**run.labels, "task": run.spec.task, "method": run.spec.method,
                                 "observation": run.spec.observation, "timesteps": run.spec.collection.timesteps}
                                for run in self.runs if run.spec.collection])

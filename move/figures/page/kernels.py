@@ -233,5 +233,5 @@ def _useful(kind: str, message: str) -> str:
 
 def missing_runs(name: str, profile: Profile, changes: dict[str, Any] | None) -> list[str]:
     """The hashes of a figure's runs of which no result is stored."""
-    found = dict.fromkeys(spec.hash for spec in specs(name, profile, changes))
+    found = [spec.hash for spec in specs(name, profile, changes)]
     return [run for run in found if not (profile.results / f"{run}.json").exists()]

@@ -16,7 +16,7 @@ from move.errors import BadInput, one_of
 from move.figures import load, names
 from move.sim.methods import METHODS, get_method
 from move.sim.tasks import get_task
-from move.study.labels import LabelledRun
+from move.study.labels import LabelledRun, distinct
 from move.study.profiles import Profile, load_profile
 from move.study.spec import RunSpec, run_spec_from_json
 from move.validation import first_problem
@@ -264,7 +264,7 @@ def _later(run: LabelledRun, first: int) -> LabelledRun:
 
 def specs(name: str, profile: Profile, changes: Mapping[str, Any] | None = None) -> list[RunSpec]:
     """The same runs without their labels, each once."""
-    return list(dict.fromkeys(run.spec for run in runs(name, profile, changes)))
+    return [run.spec for run in distinct(runs(name, profile, changes))]
 
 
 def _limited(value: Any, limit: int | None) -> Any:

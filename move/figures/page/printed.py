@@ -39,6 +39,9 @@ def _percent(value: Any) -> str:
     return _number(100 * value)
 
 
+_centimetres = _percent  # of metres
+
+
 def _points(value: Any) -> str:
     return _number(100 * value, sign="+")
 
@@ -116,7 +119,7 @@ COLUMNS: dict[str, tuple[str, Cell]] = {
     "number": ("No.", str), "fisher": ("p, Fisher", _probability),
     "barnard": ("p, Barnard", _probability), "base": ("Base (%)", _percent), "trials": ("Trials", _count),
     "predicted": ("Predicted (%)", _percent), "without": ("Without distances (%)", _percent),
-    "beyond": ("Beyond the radius (%)", _percent), "spread": ("Spread of places (cm)", _percent),  # of metres
+    "beyond": ("Beyond the radius (%)", _percent), "spread": ("Spread of places (cm)", _centimetres),
     "detectable_rise": ("Found rise (points)", _points), "rate_needed": ("Rate needed (%)", _percent),
 }
 """A column's heading and how its cells are written; another column is shown as it is."""

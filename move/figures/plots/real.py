@@ -12,8 +12,8 @@ from matplotlib.patches import Patch, Rectangle, Wedge
 from move.figures.plots.axes import errors, per_cent
 from move.figures.plots.style import COLOURS, LEAST_POINTS, MARKERS, NAMES, in_order
 from move.paper import REAL_RADIUS_M
+from move.realworld.workspace import CELL_M
 
-CELL_M = 0.05  # of `workspace.coverage`, along each side
 GOLDEN = 0.6180339887498949  # multiples of it spread evenly between 0 and 1
 
 
