@@ -10,7 +10,7 @@ import time
 from pathlib import Path
 
 import pytest
-from distributed import LocalCluster
+from distributed import Client, LocalCluster
 from shared import refused
 
 from move.figures.page import parameters
@@ -115,7 +115,7 @@ def test_ctrl_c_ends_local_runs_at_once(tmp_path):
         execute.execute(LONG, tmp_path, workers=2, quiet=True)
 
 
-def test_a_scheduler_that_dies_is_one_line(tmp_path):
+def test_a_scheduler_that_dies_is_one_line_however_late_its_client_closes(tmp_path):
     port = str(20_000 + os.getpid() % 20_000)
     command = [sys.executable, "-m", "distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", port,
                "--no-dashboard"]
@@ -126,9 +126,14 @@ def test_a_scheduler_that_dies_is_one_line(tmp_path):
         timer.start()
         return run_all(pool, *arguments)
 
+    def closed_late(client, timeout):
+        close(client)
+        raise TimeoutError(f"timed out after {timeout} s.")
+
     with pytest.MonkeyPatch.context() as patch, refused("the scheduler is gone"):
-        run_all = execute._run_all
+        run_all, close = execute._run_all, Client.close
         patch.setattr(execute, "_run_all", submitted)
+        patch.setattr(Client, "close", closed_late)
         execute.execute(LONG, tmp_path, f"tcp://127.0.0.1:{port}", quiet=True)
     scheduler.wait()
 

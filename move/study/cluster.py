@@ -11,7 +11,7 @@ import logging
 import time
 from collections.abc import Iterator
 from concurrent.futures import Future
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 from uuid import uuid4
@@ -98,7 +98,8 @@ def dask_cluster(address: str, folder: Path) -> Iterator[Cluster]:
         cluster.token.unlink(missing_ok=True)
         if client.status == "running":
             cluster.executor.shutdown(wait=False)
-        client.close(timeout=1)
+        with suppress(TimeoutError):  # of a client that still looks for its lost scheduler; its thread ends with us
+            client.close(timeout=1)
 
 
 async def _call(address: str) -> None:

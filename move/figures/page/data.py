@@ -103,10 +103,11 @@ def load_or_run(runs: list[LabelledRun], profile: Profile, folder: Path, most_mi
     """
     if not runs:
         raise BadInput(f"profile {profile.name}: has no runs of this figure; allowed is another profile")
-    there, missing, postponed = _found(list(dict.fromkeys(run.spec for run in runs)), profile, most_minutes)
+    wanted = list(dict.fromkeys(run.spec for run in runs))
+    there, missing, postponed = _found(wanted, profile, most_minutes)
     if not there:
         why = postponed or f"the first one: {missing[0][1]}"
-        raise BadInput(f"none of the {len(runs)} runs of this figure is stored; {why}")
+        raise BadInput(f"none of the {len(wanted)} runs of this figure is stored; {why}")
     stored = {result.spec.hash: result for result in there}
     results = [replace(stored[run.spec.hash], labels=run.labels) for run in runs if run.spec.hash in stored]
     return Data(profile, folder, runs, results, missing, postponed)
