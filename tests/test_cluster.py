@@ -69,6 +69,7 @@ def test_a_worker_that_is_killed_in_the_middle_loses_and_doubles_nothing(tmp_pat
 
         def kill_once_something_is_stored():
             while not stored:
+                time.sleep(0.02)
                 stored.update({path: path.stat().st_mtime_ns for path in tmp_path.glob("*.json")})
             first.process.process._process.kill()
 

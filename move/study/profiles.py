@@ -68,6 +68,9 @@ class Profile(BaseModel):
         default_factory=dict, description="of a run alone on one core, by observation"
     )
 
+    def __hash__(self) -> int:
+        return hash(self.name)
+
     @model_validator(mode="after")
     def _steps_begin_with_the_recipes_own(self) -> Self:
         for observation, steps in self.gradient_steps.items():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import cache
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from move.figures.page.parameters import runs
 from move.statistics.estimates import TrainingNoise, training_noise_of
 from move.study.profiles import Profile
 from move.study.results import Result, split
+from move.study.spec import RunSpec
 
 
 def known_noise(profile: Profile, observation: str, grid: bool = False) -> TrainingNoise:
@@ -28,13 +30,18 @@ def known_noise(profile: Profile, observation: str, grid: bool = False) -> Train
 
 
 def _cells(profile: Profile, observation: str, grid: bool) -> Iterator[np.ndarray]:
-    repeating = [name for name in names() if getattr(load(name), "REPEATED", False)]
-    specs = {run.spec for name in repeating for run in runs(name, profile)
-             if run.spec.training and run.spec.observation == observation
-             and (run.spec.evaluation.starts == "grid") == grid}
     seeds: dict[str, list[Result]] = {}
-    for result in split(sorted(specs, key=lambda spec: spec.hash), profile.results)[0]:
+    for result in split(_repeated(profile, observation, grid), profile.results)[0]:
         seeds.setdefault(result.spec.model_copy(update={"seed": 0}).hash, []).append(result)
     for repeated in seeds.values():
         if len(repeated) > 1:
             yield np.array([result.successes for result in sorted(repeated, key=lambda result: result.spec.seed)])
+
+
+@cache
+def _repeated(profile: Profile, observation: str, grid: bool) -> list[RunSpec]:
+    repeating = [name for name in names() if getattr(load(name), "REPEATED", False)]
+    found = {run.spec for name in repeating for run in runs(name, profile)
+             if run.spec.training and run.spec.observation == observation
+             and (run.spec.evaluation.starts == "grid") == grid}
+    return sorted(found, key=lambda spec: spec.hash)
