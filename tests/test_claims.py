@@ -17,7 +17,7 @@ from move.claims import claims as data
 from move.claims import ledger
 from move.claims.claims import claims, read
 from move.claims.evidence import Evidence, chosen, placed
-from move.claims.quantities import QUANTITIES, findings, half_width
+from move.claims.quantities import QUANTITIES, findings
 from move.figures.page import parameters
 from move.statistics.needed import Design, Seeds, Trials
 from move.statistics.verdicts import VERDICTS, Contradiction, Finding, Missing, Untested, verdict
@@ -138,7 +138,8 @@ def test_every_printed_value_in_the_claims_is_the_papers():
 
 def test_the_papers_mean_of_ten_tasks_is_known_to_five_points():
     rates = paper.published("table2_main").pivot(index="task", columns="method", values="value")
-    assert half_width(list(rates.move), list(rates.static), paper.EPISODES_A_RATE) == pytest.approx(0.048, abs=1e-3)
+    printed = data.Paper(episodes=paper.EPISODES_A_RATE)
+    assert printed.half_width(list(rates.move), list(rates.static)) == pytest.approx(0.048, abs=1e-3)
 
 
 @pytest.mark.parametrize("text, complaint", [

@@ -5,7 +5,7 @@ import pytest
 from scipy.optimize import isotonic_regression
 
 from move.statistics.data_efficiency import Efficiency, data_efficiency, isotonic, needed
-from move.statistics.estimates import TrainingNoise
+from move.statistics.training_noise import TrainingNoise
 
 BUDGETS = (5000, 10_000, 20_000, 40_000)
 

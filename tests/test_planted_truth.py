@@ -39,7 +39,7 @@ from move.paper import PAPER, PAPER_TASKS
 from move.sim import coverage
 from move.sim.grasp_points import CIRCLE
 from move.sim.tasks import TASKS, get_task
-from move.statistics import distance, estimates, verdicts
+from move.statistics import distance, estimates, training_noise, verdicts
 from move.statistics.data_efficiency import data_efficiency
 from move.statistics.over_tasks import over_tasks
 
@@ -254,7 +254,7 @@ def cell(world: World, name: str, row: Row) -> np.ndarray:
 
 
 @functools.cache
-def noise(world: World, kind: str) -> estimates.TrainingNoise:
+def noise(world: World, kind: str) -> training_noise.TrainingNoise:
     """How much trainings differ: the law of all repeated ones like these."""
     seen, _, grid = kind.partition(" ")
     repeated: dict[str, dict[int, list[bool]]] = {}
@@ -263,8 +263,8 @@ def noise(world: World, kind: str) -> estimates.TrainingNoise:
             rows = world.results[spec.hash].rows
             like = repeated.setdefault(spec.model_copy(update={"seed": 0}).hash, {})
             like[spec.seed] = [row["success"] for row in rows]
-    return estimates.training_noise_of(np.array([*seeds.values()], float) for _, seeds in sorted(repeated.items())
-                                       if len(seeds) > 1)
+    return training_noise.training_noise_of(
+        np.array([*seeds.values()], float) for _, seeds in sorted(repeated.items()) if len(seeds) > 1)
 
 
 @pytest.mark.parametrize("name", RATES)

@@ -3,11 +3,8 @@
 import numpy as np
 import pytest
 
-from move.statistics import estimates as statistics
 from move.statistics.data_efficiency import data_efficiency
 from move.statistics.estimates import (
-    Spread,
-    TrainingNoise,
     difference,
     holm,
     mean_difference,
@@ -15,11 +12,12 @@ from move.statistics.estimates import (
     rate_interval,
     relative_gain,
     success_rate,
-    training_noise_of,
     unpaired_difference,
 )
 from move.statistics.over_tasks import over_tasks
 from move.statistics.simulation import coverage, like_noise, outcomes
+from move.statistics.spread import Spread
+from move.statistics.training_noise import UNKNOWN, TrainingNoise, training_noise_of
 
 UNEQUAL = np.array([0.02, 0.04, 0.06, 0.08, 0.10])  # by how much trainings differ, one cell so and the next so
 LAWS, STUDIES, TASKS = 100, 20, 10  # what like cells tell is drawn anew so often, for so many studies each
@@ -105,7 +103,7 @@ def test_one_seed_that_is_noisier_than_like_cells_is_still_covered_more_often_th
 def test_three_seeds_that_differ_or_agree_by_chance_borrow_from_like_cells():
     rng, law = np.random.default_rng(1), TrainingNoise(0.0006, 5.0, 60)
     cells = outcomes(rng, 0.5, np.full(400, 0.03), 3, rng.standard_normal((400, 100))).astype(float)
-    alone, moderated = (np.ptp(rate_interval(cells, noise), axis=0) for noise in (statistics.UNKNOWN, law))
+    alone, moderated = (np.ptp(rate_interval(cells, noise), axis=0) for noise in (UNKNOWN, law))
     least, most = (np.quantile([moderated, alone], level, axis=1) for level in (0.05, 0.95))
     assert most[0] < 0.6 * most[1] and most[0] / least[0] < 1.5 < most[1] / least[1]
 
@@ -175,7 +173,7 @@ def test_one_training_is_not_certain_once_others_are_known_to_differ():
     assert (alone.trainings, among.trainings) == ("unknown", "like cells")
     assert among.high - among.low > 2 * (alone.high - alone.low)
     several = np.repeat(cell, 3, axis=0)
-    assert [success_rate(several, law).trainings for law in (statistics.UNKNOWN, noisy)] == ["own", "moderated"]
+    assert [success_rate(several, law).trainings for law in (UNKNOWN, noisy)] == ["own", "moderated"]
 
 
 def test_cells_of_one_seed_tell_nothing_and_those_at_the_ceiling_little():
@@ -183,7 +181,7 @@ def test_cells_of_one_seed_tell_nothing_and_those_at_the_ceiling_little():
     cells = list(outcomes(rng, 0.5, np.full(30, 0.1), 3, rng.standard_normal((30, 100))))
     law = training_noise_of(cells)
     assert training_noise_of([*cells, cells[0][:1], np.ones((3, 100))]) == law and law.repeats == 60
-    assert training_noise_of([cells[0][:1]]) == statistics.UNKNOWN
+    assert training_noise_of([cells[0][:1]]) == UNKNOWN
 
 
 def test_pairing_makes_the_interval_narrow_where_configurations_decide_and_not_where_they_do_not():

@@ -9,7 +9,7 @@ from __future__ import annotations
 import pandas as pd
 
 from move import paper, paths
-from move.claims.quantities import half_width
+from move.claims.claims import Paper
 from move.figures.fig4_scaling import efficiency_text
 from move.figures.tables import points
 from move.figures.tables.differences import difference_verdict
@@ -118,7 +118,7 @@ def _factors() -> str:
     lost = _read("table1_spatial_factors_lost").set_index("factors").loc["all"]
     return _line("Table 1, static", (one.value, every.value), lost, _seeds(every.seeds),
                  (printed["object"], printed["all"]),
-                 half_width([printed["object"]], [printed["all"]], paper.EPISODES_A_RATE))
+                 Paper(episodes=paper.EPISODES_A_RATE).half_width([printed["object"]], [printed["all"]]))
 
 
 def _tasks(other: str) -> str:
@@ -130,7 +130,7 @@ def _tasks(other: str) -> str:
     means = tuple(sum(printed[method]) / len(printed[method]) for method in (other, "move"))
     repeated = " to ".join(map(str, dict.fromkeys((seeds[0], seeds[-1]))))
     return _line(what, (ours[other], ours["move"]), found, repeated, means,
-                 half_width(printed["move"], printed[other], paper.EPISODES_A_RATE))
+                 Paper(episodes=paper.EPISODES_A_RATE).half_width(printed["move"], printed[other]))
 
 
 if __name__ == "__main__":

@@ -7,11 +7,13 @@ from functools import cache
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from move import yaml_text
 from move.errors import BadInput
-from move.statistics.verdicts import Join
+from move.sim.tasks import TASKS
+from move.statistics.verdicts import INFINITE, TWO_SIDED, Join
 from move.validation import first_problem
 
 FILE = Path(__file__).with_name("claims.yaml")
@@ -33,11 +35,40 @@ class Paper(Strict):
     value: list[float] = Field(default=[], description="printed values of what is no difference")
     episodes: int = Field(default=0, ge=0, description="episodes of each rate, all seeds together; 0: not known")
 
+    def of_one(self, place: int) -> dict[str, Any]:
+        """`paper` and `paper_half_width` of a finding, one of several: the latter of its 95 % interval, of episodes."""
+        if self.value:
+            return {"paper": self.value[min(place, len(self.value) - 1)]}
+        if not self.one:
+            return {}
+        one, other = (rates[min(place, len(rates) - 1)] if rates else 0.0 for rates in (self.one, self.other))
+        return {"paper": one - other, "paper_half_width": self.half_width([one], [other])}
+
+    def of_mean(self, gain: bool) -> dict[str, Any]:
+        """The same of a mean over things, a difference or one side over the other, minus 1."""
+        if not self.one:
+            return {}
+        first, second = float(np.mean(self.one)), float(np.mean(self.other))
+        if not gain:
+            return {"paper": first - second, "paper_half_width": self.half_width(self.one, self.other)}
+        relative = self._variance(self.one) / first**2 + self._variance(self.other) / second**2
+        return {"paper": first / second - 1, "paper_half_width": TWO_SIDED * first / second * float(np.sqrt(relative))}
+
+    def half_width(self, one: list[float], other: list[float]) -> float:
+        """Half the 95 % interval of a difference of means of printed rates; 0 where their episodes are not known."""
+        return TWO_SIDED * float(np.sqrt(self._variance(one) + self._variance(other)))
+
+    def _variance(self, rates: list[float]) -> float:
+        """Of the mean of printed rates."""
+        if not self.episodes:
+            return 0.0
+        return sum(rate * (1 - rate) / self.episodes for rate in rates) / max(len(rates), 1) ** 2
+
 
 class Quantity(Strict):
     """A number, or one for each of several things, and where the claim says that it lies."""
 
-    quantity: str = Field(description="a function of move/claims/quantities.py")
+    quantity: str = Field(description="one of `QUANTITIES` in move/claims/quantities.py")
     what: str = Field(default="", description="its name in the ledger; {column} is filled in")
     experiment: str = Field(default="", description="whose runs; the claim's figure where left out")
     where: Where = Field(default={}, description="of both sides")
@@ -50,6 +81,25 @@ class Quantity(Strict):
     margin: float = 0.0
     paper: Paper = Paper()
     options: dict[str, Any] = Field(default={}, description="what else the function takes")
+
+    @property
+    def repetitions(self) -> list[Where]:
+        """What is added to `where` for each number, such as its task; a single empty one where there is one number."""
+        columns = list(self.each)
+        return [dict(zip(columns, values, strict=True)) for values in zip(*self.each.values(), strict=True)] or [{}]
+
+    @property
+    def region(self) -> dict[str, Any]:
+        """Where the claim says that it lies: `above`, `below` and `equal` of a finding."""
+        if self.direction == "above":
+            return {"above": self.margin}
+        return {"above": -self.margin, "equal": 0.0, "below": self.margin if self.direction == "same" else INFINITE}
+
+    def named(self, where: Where) -> str:
+        """The name of one number: `what`, with a task's title and other columns filled in."""
+        words = {name: TASKS[value].title if name == "task" else f"{value:,}" if isinstance(value, int) else value
+                 for name, value in where.items()}
+        return self.what.format(**words)
 
 
 class Claim(Strict):

@@ -15,9 +15,11 @@ from move.claims.claims import Quantity, Where
 from move.figures.page.noise import known_noise
 from move.figures.page.parameters import runs
 from move.sim.grasp_points import CIRCLE
-from move.statistics.estimates import Estimate, TrainingNoise
+from move.statistics.estimates import Estimate
+from move.statistics.intervals import LEAST_ERROR, mean_interval
 from move.statistics.needed import Design, Seeds
-from move.statistics.verdicts import INFINITE, NAN, Finding, Missing
+from move.statistics.training_noise import TrainingNoise
+from move.statistics.verdicts import NAN, Finding, Missing
 from move.study.labels import LabelledRun
 from move.study.profiles import Profile
 from move.study.results import Result, hand_start, split, table
@@ -63,7 +65,7 @@ class Evidence:
 
     def finding(self, what: str, found: Estimate, rows: pd.DataFrame, quantity: Quantity, **more: Any) -> Finding:
         """An estimate from episodes, as a finding of what a claim says of it."""
-        return Finding(what, found.value, found.low, found.high, **region(quantity), runs=runs_of(rows), **more)
+        return Finding(what, found.value, found.low, found.high, **quantity.region, runs=runs_of(rows), **more)
 
     def design(self, experiment: str, sides: Sequence[pd.DataFrame]) -> Design | None:
         """What a difference of two sides was measured with, and what its runs cost; None without their times."""
@@ -121,12 +123,9 @@ class Evidence:
         return median(spent) if spent else 0.0
 
 
-def region(quantity: Quantity) -> dict[str, Any]:
-    """Where a claim says that a quantity lies: `above`, `below` and `equal` of a finding."""
-    if quantity.direction == "above":
-        return {"above": quantity.margin}
-    return {"above": -quantity.margin, "equal": 0.0,
-            "below": quantity.margin if quantity.direction == "same" else INFINITE}
+def over_seeds(what: str, values: Sequence[float], each: Quantity, runs: tuple[str, ...] = ()) -> Finding:
+    """A number that each seed gives for itself, three or more: Student's interval of its mean."""
+    return Finding(what, *mean_interval(values, LEAST_ERROR), **each.region, runs=runs)
 
 
 def chosen(rows: pd.DataFrame, *wheres: Where) -> pd.DataFrame:

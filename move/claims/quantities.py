@@ -7,19 +7,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import cache, partial
-from typing import Any
+from functools import partial
 
 import numpy as np
 import pandas as pd
 
 from move import paper
+from move.claims import collected
 from move.claims.claims import Claim, Quantity, Where
-from move.claims.evidence import Evidence, region, runs_of
+from move.claims.evidence import Evidence, over_seeds, runs_of
 from move.realworld.trials import compare
-from move.sim.collection import Collection
-from move.sim.coverage import PARTS, configurations, shares
-from move.sim.methods import METHODS
 from move.sim.tasks import TASKS, get_task
 from move.statistics.cells import by_budget, successes
 from move.statistics.data_efficiency import Efficiency, data_efficiency
@@ -32,9 +29,9 @@ from move.statistics.estimates import (
     success_rate,
     unpaired_difference,
 )
-from move.statistics.intervals import CONFIDENCE, LEAST_ERROR, mean_interval
+from move.statistics.intervals import CONFIDENCE
 from move.statistics.needed import Trials
-from move.statistics.verdicts import NAN, TWO_SIDED, Contradiction, Finding, Item, Missing, Untested
+from move.statistics.verdicts import NAN, Contradiction, Finding, Item, Missing, Untested
 
 
 def findings(claim: Claim, evidence: Evidence) -> list[Item]:
@@ -43,53 +40,17 @@ def findings(claim: Claim, evidence: Evidence) -> list[Item]:
             for item in QUANTITIES[each.quantity](evidence, each, each.experiment or claim.figure)]
 
 
-def repetitions(each: Quantity) -> list[Where]:
-    """What is added to `where` for each number, such as its task; a single empty one where there is one number."""
-    columns = list(each.each)
-    return [dict(zip(columns, values, strict=True)) for values in zip(*each.each.values(), strict=True)] or [{}]
-
-
-def named(each: Quantity, where: Where) -> str:
-    """The name of one number: `what`, with a task's title and other columns filled in."""
-    words = {name: TASKS[value].title if name == "task" else f"{value:,}" if isinstance(value, int) else value
-             for name, value in where.items()}
-    return each.what.format(**words)
-
-
-def printed(each: Quantity, place: int) -> dict[str, Any]:
-    """The paper's value of one number of several and half of its 95 % interval, of its episodes alone."""
-    theirs = each.paper
-    if theirs.value:
-        return {"paper": theirs.value[min(place, len(theirs.value) - 1)]}
-    if not theirs.one:
-        return {}
-    one, other = (rates[min(place, len(rates) - 1)] if rates else 0.0 for rates in (theirs.one, theirs.other))
-    return {"paper": one - other, "paper_half_width": half_width([one], [other], theirs.episodes)}
-
-
-def half_width(one: list[float], other: list[float], episodes: int) -> float:
-    """Half the 95 % interval of a difference of means of printed rates, as far as their episodes tell."""
-    if not episodes:
-        return 0.0
-    return TWO_SIDED * float(np.sqrt(sum(_variance(rates, episodes) for rates in (one, other))))
-
-
-def _variance(rates: list[float], episodes: int) -> float:
-    """Of the mean of printed rates, each of so many episodes."""
-    return sum(rate * (1 - rate) / episodes for rate in rates) / max(len(rates), 1) ** 2
-
-
 def rates(evidence: Evidence, each: Quantity, experiment: str, failing: bool) -> list[Item]:
     """Success rates, or shares of episodes that fail."""
     items: list[Item] = []
-    for place, where in enumerate(repetitions(each)):
-        what, rows = named(each, where), evidence.rows(experiment, each.where, each.one, where)
+    for place, where in enumerate(each.repetitions):
+        what, rows = each.named(where), evidence.rows(experiment, each.where, each.one, where)
         if rows.empty:
             items.append(evidence.missing(what, experiment, {**each.where, **each.one, **where}))
             continue
         cells = 1 - successes(rows) if failing else successes(rows)
         found = success_rate(cells, evidence.noise(experiment))
-        item = evidence.finding(what, found, rows, each, **printed(each, place))
+        item = evidence.finding(what, found, rows, each, **each.paper.of_one(place))
         items.append(evidence.with_seeds(item, experiment, rows))
     return items
 
@@ -101,22 +62,22 @@ def _sides(
     sides = [{**each.where, **where, **side} for side in (each.one, each.other)]
     one, other = (evidence.rows(experiment, side) for side in sides)
     lacking = [side for side, rows in zip(sides, (one, other), strict=True) if rows.empty]
-    return evidence.missing(named(each, where), experiment, *lacking) if lacking else (one, other)
+    return evidence.missing(each.named(where), experiment, *lacking) if lacking else (one, other)
 
 
 def differences(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
     """Differences of rates, paired by configuration unless the option `paired` is false."""
     estimate = difference if each.options.get("paired", True) else unpaired_difference
     items: list[Item] = []
-    for place, where in enumerate(repetitions(each)):
+    for place, where in enumerate(each.repetitions):
         sides = _sides(evidence, each, experiment, where)
         if isinstance(sides, Missing):
             items.append(sides)
             continue
         one, other = sides
         found = estimate(successes(one), successes(other), evidence.noise(experiment))
-        item = evidence.finding(named(each, where), found, pd.concat(sides), each,
-                                room=1 - float(other.success.mean()), **printed(each, place))
+        item = evidence.finding(each.named(where), found, pd.concat(sides), each,
+                                room=1 - float(other.success.mean()), **each.paper.of_one(place))
         items.append(replace(item, design=evidence.design(experiment, sides)) if item.answer == "open" else item)
     return items
 
@@ -125,32 +86,20 @@ def over_all(
     evidence: Evidence, each: Quantity, experiment: str, estimate: Callable[..., Estimate]
 ) -> list[Item]:
     """The mean of differences over fixed things, or the mean rate of one side over that of the other, minus 1."""
-    sides = [_sides(evidence, each, experiment, where) for where in repetitions(each)]
+    sides = [_sides(evidence, each, experiment, where) for where in each.repetitions]
     there = [one for one in sides if not isinstance(one, Missing)]
     if len(there) < len(sides):
-        return [evidence.missing(each.what, experiment, *({**each.where, **where, **side} for where in repetitions(each)
+        return [evidence.missing(each.what, experiment, *({**each.where, **where, **side} for where in each.repetitions
                                                           for side in (each.one, each.other)))]
     gain = estimate is relative_gain
     if gain and not all(any(side.success.any() for side in part) for part in zip(*there, strict=True)):
         return []  # nothing to be relative to
     found = estimate([(successes(one), successes(other)) for one, other in there], evidence.noise(experiment))
     room = NAN if gain else 1 - float(np.mean([other.success.mean() for _, other in there]))
-    theirs = _printed_mean(each, gain)
+    theirs = each.paper.of_mean(gain)
     rows = pd.concat([part for pair in there for part in pair])
     item = evidence.finding(each.what, found, rows, each, room=room, **theirs)
     return [evidence.with_seeds(item, experiment, rows)]
-
-
-def _printed_mean(each: Quantity, gain: bool) -> dict[str, Any]:
-    """The paper's value of a mean over things, from its printed rates."""
-    one, other, episodes = each.paper.one, each.paper.other, each.paper.episodes
-    if not one:
-        return {}
-    first, second = float(np.mean(one)), float(np.mean(other))
-    if not gain:
-        return {"paper": first - second, "paper_half_width": half_width(one, other, episodes)}
-    relative = _variance(one, episodes) / first**2 + _variance(other, episodes) / second**2 if episodes else 0.0
-    return {"paper": first / second - 1, "paper_half_width": TWO_SIDED * first / second * float(np.sqrt(relative))}
 
 
 def budgets(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
@@ -168,16 +117,16 @@ def efficiencies(evidence: Evidence, each: Quantity, experiment: str) -> list[It
     """How many times MOVE's timesteps static needs; with the option `trend` their geometric mean as well."""
     items: list[Item] = []
     factors: list[Efficiency] = []
-    for place, where in enumerate(repetitions(each)):
+    for place, where in enumerate(each.repetitions):
         rows, budget = evidence.rows(experiment, each.where, where), get_task(where["task"]).budget(20_000)
-        curves, what = by_budget(rows), named(each, where)
+        curves, what = by_budget(rows), each.named(where)
         if min(map(len, curves.values())) < 3 or budget not in curves["move"]:
             items.append(evidence.missing(what, experiment, where))
             continue
         found = data_efficiency(curves["static"], curves["move"], budget, evidence.noise(experiment))
         value, low, high = (found.surely(ratio, each.margin) for ratio in (found.ratio, found.low, found.high))
         items.append(Finding(what, value, low, high, each.margin, p_value=found.p_value(each.margin),
-                             runs=runs_of(rows), text=str(found), **printed(each, place)))
+                             runs=runs_of(rows), text=str(found), **each.paper.of_one(place)))
         factors.append(found)
     return [*items, _mean_factor(factors, each.margin)] if each.options.get("trend") and factors else items
 
@@ -191,11 +140,6 @@ def _mean_factor(factors: Sequence[Efficiency], above: float) -> Finding:
                    float(high), above, trend=True)
 
 
-def _over_seeds(what: str, values: Sequence[float], each: Quantity, runs: tuple[str, ...] = ()) -> Finding:
-    """A number that each seed gives for itself, three or more: Student's interval of its mean."""
-    return Finding(what, *mean_interval(values, LEAST_ERROR), **region(each), runs=runs)
-
-
 def near_minus_far(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
     """Success where `one` holds minus that where `other` does, at other places of the same trainings."""
     rows = evidence.rows(experiment, each.where)
@@ -203,7 +147,7 @@ def near_minus_far(evidence: Evidence, each: Quantity, experiment: str) -> list[
         return [evidence.missing(each.what, experiment, each.where)]
     near, far = (evidence.rows(experiment, each.where, side).groupby("seed").success.mean()
                  for side in (each.one, each.other))
-    return [evidence.with_seeds(_over_seeds(each.what, list(near - far), each, runs_of(rows)), experiment, rows)]
+    return [evidence.with_seeds(over_seeds(each.what, list(near - far), each, runs_of(rows)), experiment, rows)]
 
 
 def decay(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
@@ -215,14 +159,14 @@ def decay(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
         return [evidence.missing(each.what, experiment, each.where)]
     steps = rates[second] / rates[first] - rates[third] / rates[second]
     what = f"{each.what} (with the {first} alone at {rates[first].mean():.2f})"
-    return [evidence.with_seeds(_over_seeds(what, list(steps), each, runs_of(rows)), experiment, rows)]
+    return [evidence.with_seeds(over_seeds(what, list(steps), each, runs_of(rows)), experiment, rows)]
 
 
 def ladder(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
     """Each rung against the one before, and for each task the slope over all rungs as the trend."""
     items: list[Item] = []
     asked = evidence.asked(experiment)
-    for where in repetitions(each):
+    for where in each.repetitions:
         task = TASKS[where["task"]].title
         mine = asked[asked.task == where["task"]].moves.unique() if len(asked) else []
         rungs = [name for name in mine if "alone" not in name]
@@ -248,8 +192,8 @@ def _slope(places: np.ndarray) -> list[float]:
 def speeds(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
     """How much success changes from the slowest to the fastest, along a straight line over the logarithm."""
     items: list[Item] = []
-    for where in repetitions(each):
-        rows, what = evidence.rows(experiment, each.where, where), named(each, where)
+    for where in each.repetitions:
+        rows, what = evidence.rows(experiment, each.where, where), each.named(where)
         asked = evidence.asked(experiment)
         wanted = sorted(asked[(asked.task == where["task"]) & (asked.part == where["part"])].speed.unique()
                         ) if len(asked) else []
@@ -264,72 +208,6 @@ def speeds(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
     return items
 
 
-def coverage(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
-    """Shares of cells seen, MOVE minus another; where no stored run says, demonstrations are made here, in seconds."""
-    timesteps, other = each.options["timesteps"], each.other["method"]
-    share = partial(_share, evidence, timesteps=timesteps)
-    return [_over_seeds(f"cells of the {part} seen in {timesteps:,} timesteps, MOVE minus {METHODS[other].title}",
-                        [share("move", part, seed=seed) - share(other, part, seed=seed) for seed in range(3)], each)
-            for part in PARTS]
-
-
-def _share(evidence: Evidence, method: str, part: str, timesteps: int, seed: int) -> float:
-    """Share of the cells of a part that Pick-Place's demonstrations visit, as a stored run of keypoints says."""
-    wanted = Collection(task="pick-place", method=method, timesteps=timesteps)
-    for experiment in ("table_keypoint_control", "table_adc"):  # which has ADC as it is printed
-        for result in evidence.stored(experiment).values():
-            covered = (result.collection or {}).get("covered") or {}
-            if (result.spec.collection, result.spec.seed) == (wanted, seed) and str(timesteps) in covered:
-                return covered[str(timesteps)][part]
-    return _collected(method, timesteps, seed)[part]
-
-
-@cache
-def _collected(method: str, timesteps: int, seed: int) -> dict[str, float]:
-    wanted = Collection(task="pick-place", method=method, timesteps=timesteps)
-    return shares(configurations(wanted, seed), get_task("pick-place"))
-
-
-def lengths(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
-    """MOVE's mean length of a demonstration over static's, minus 1: of these tasks, over their demonstrations."""
-    made = _made(evidence, each, experiment)
-    if isinstance(made, Missing):
-        return [made]
-    means = [[rows[rows.success.astype(bool)].steps for rows in side] for side in made]
-    if min(len(part) for side in means for part in side) < 2:
-        return [Missing(f"{each.what} (a task without two successful demonstrations)", 0, 0.0)]
-    logs, variances = zip(*((np.log(np.mean([part.mean() for part in side])),
-                             sum(part.var() / len(part) for part in side) / sum(part.mean() for part in side) ** 2)
-                            for side in means), strict=True)
-    ratio, half = np.exp(logs[0] - logs[1]), TWO_SIDED * np.sqrt(sum(variances))
-    return [Finding(each.what, float(ratio - 1), float(ratio * np.exp(-half) - 1), float(ratio * np.exp(half) - 1),
-                    **region(each), runs=runs_of(*made[0], *made[1]), **printed(each, 0))]
-
-
-def generation(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
-    """Shares of attempts that succeed, means of these tasks, minus the paper's."""
-    made = _made(evidence, each, experiment)
-    if isinstance(made, Missing):
-        return [made]
-    items: list[Item] = []
-    for method, side, theirs in zip(("MOVE", "static"), made, each.paper.value, strict=True):
-        rates = [rows.success.astype(float) for rows in side]
-        mean = float(np.mean([part.mean() for part in rates]))
-        half = TWO_SIDED * float(np.sqrt(sum(part.var() / len(part) for part in rates))) / len(rates)
-        items.append(Finding(f"{method}, {each.what}", mean, mean - half, mean + half, theirs - each.margin,
-                             theirs + each.margin, theirs, theirs, runs=runs_of(*side)))
-    return items
-
-
-def _made(evidence: Evidence, each: Quantity, experiment: str) -> list[list[pd.DataFrame]] | Missing:
-    """Attempts at demonstrations, one table a task, of both sides."""
-    sides = [{**each.where, **side} for side in (each.one, each.other)]
-    made = [[evidence.rows(experiment, side, where) for where in repetitions(each)] for side in sides]
-    if any(rows.empty for side in made for rows in side):
-        return evidence.missing(each.what, experiment, *sides)
-    return made
-
-
 def robot(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
     """A difference of two cells of table 3: Newcombe's interval decides, and Barnard's exact p is reported."""
     counts = paper.TABLE3_REAL.astype({"timesteps": int}).set_index(["timesteps", "method"]).successes
@@ -337,7 +215,7 @@ def robot(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
     found = compare((other, paper.REAL_TRIALS), (one, paper.REAL_TRIALS))
     what = (f"{each.what} in the paper's own counts, {one} and {other} of {paper.REAL_TRIALS} trials, "
             f"Barnard's exact p {found['barnard']:.3f}")
-    return [Finding(what, found["difference"], found["low"], found["high"], **region(each),
+    return [Finding(what, found["difference"], found["low"], found["high"], **each.region,
                     design=Trials(one / paper.REAL_TRIALS, other / paper.REAL_TRIALS))]
 
 
@@ -365,9 +243,9 @@ QUANTITIES: dict[str, Callable[[Evidence, Quantity, str], list[Item]]] = {
     "decay": decay,
     "ladder": ladder,
     "speeds": speeds,
-    "coverage": coverage,
-    "lengths": lengths,
-    "generation": generation,
+    "coverage": collected.coverage,
+    "lengths": collected.lengths,
+    "generation": collected.generation,
     "robot": robot,
     "printed_ratio": printed_ratio,
     "untested": untested,

@@ -23,7 +23,7 @@ from move.sim.placement import Placement
 from move.sim.tasks import TASKS
 from move.statistics.cells import successes, training_noise
 from move.statistics.data_efficiency import data_efficiency
-from move.statistics.estimates import UNKNOWN, TrainingNoise
+from move.statistics.training_noise import UNKNOWN, TrainingNoise
 from move.study.kinds import policy_run
 from move.study.labels import LabelledRun, grid
 from move.study.profiles import Profile

@@ -24,7 +24,8 @@ from move.paper import PAPER_METHODS, PAPER_TASKS, published
 from move.sim.tasks import TASKS, get_task
 from move.statistics.cells import by_budget, successes, training_noise
 from move.statistics.data_efficiency import Efficiency, data_efficiency
-from move.statistics.estimates import UNKNOWN, TrainingNoise, difference
+from move.statistics.estimates import difference
+from move.statistics.training_noise import UNKNOWN, TrainingNoise
 from move.study.axes import budgets, floors_and_ceilings
 from move.study.kinds import policy_run
 from move.study.labels import LabelledRun, distinct, grid

@@ -19,7 +19,7 @@ from move.figures.tables import rate_table
 from move.figures.tables.differences import counts_text, difference_brief, largest, variant_table
 from move.sim.motion.wrappers import movable
 from move.sim.tasks import TASKS, get_task
-from move.statistics.estimates import UNKNOWN, TrainingNoise
+from move.statistics.training_noise import UNKNOWN, TrainingNoise
 from move.study.axes import budgets
 from move.study.kinds import policy_run
 from move.study.labels import LabelledRun, grid

@@ -18,7 +18,7 @@ from move.figures.plots.style import COLUMN_WIDTH, titles
 from move.figures.tables import rate_table
 from move.figures.tables.differences import difference_text, variant_table
 from move.sim.tasks import TASKS
-from move.statistics.estimates import UNKNOWN, TrainingNoise
+from move.statistics.training_noise import UNKNOWN, TrainingNoise
 from move.study.kinds import policy_run
 from move.study.labels import LabelledRun, grid
 from move.study.profiles import Profile

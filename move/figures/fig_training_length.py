@@ -18,7 +18,8 @@ from move.figures.tables import rate_table
 from move.figures.tables.differences import COLUMNS, as_columns, difference_brief, differences_at, largest, with_holm
 from move.sim.tasks import TASKS
 from move.statistics.cells import successes, training_noise
-from move.statistics.estimates import UNKNOWN, TrainingNoise, contrast, mean_contrast
+from move.statistics.estimates import contrast, mean_contrast
+from move.statistics.training_noise import UNKNOWN, TrainingNoise
 from move.study.axes import budgets
 from move.study.kinds import policy_run
 from move.study.labels import LabelledRun, grid

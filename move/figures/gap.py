@@ -30,7 +30,8 @@ from move.learn.evaluation import Evaluation
 from move.sim.tasks import TASKS
 from move.sim.tasks.listed import COUNT
 from move.statistics.cells import successes, training_noise
-from move.statistics.estimates import Estimate, TrainingNoise, difference, success_rate, unpaired_difference
+from move.statistics.estimates import Estimate, difference, success_rate, unpaired_difference
+from move.statistics.training_noise import TrainingNoise
 from move.study.kinds import policy_run
 from move.study.labels import LabelledRun, grid
 from move.study.profiles import Profile

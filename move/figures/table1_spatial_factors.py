@@ -18,7 +18,8 @@ from move.figures.plots.style import PAGE_WIDTH, titles
 from move.figures.tables import rate_table, run_costs, with_paper
 from move.figures.tables.differences import COLUMNS, as_columns, difference_brief, difference_table, with_holm
 from move.statistics.cells import successes, training_noise
-from move.statistics.estimates import UNKNOWN, TrainingNoise, unpaired_difference
+from move.statistics.estimates import unpaired_difference
+from move.statistics.training_noise import UNKNOWN, TrainingNoise
 from move.study.kinds import policy_run
 from move.study.labels import LabelledRun, grid
 from move.study.profiles import Profile

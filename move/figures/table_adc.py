@@ -19,7 +19,7 @@ from move.figures.tables.differences import COLUMNS, difference_brief, mean_colu
 from move.paper import PAPER_TASKS
 from move.sim.motion.adc import JUMPS
 from move.statistics.cells import successes, training_noise
-from move.statistics.estimates import TrainingNoise
+from move.statistics.training_noise import TrainingNoise
 from move.study.axes import budgets
 from move.study.kinds import policy_run
 from move.study.labels import LabelledRun, grid

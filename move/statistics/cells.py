@@ -7,7 +7,7 @@ import pandas as pd
 
 from move.sim.collection import METHODS
 from move.sim.configuration import Disc
-from move.statistics.estimates import UNKNOWN, TrainingNoise, training_noise_of
+from move.statistics.training_noise import UNKNOWN, TrainingNoise, training_noise_of
 
 
 def successes(episodes: pd.DataFrame) -> np.ndarray:

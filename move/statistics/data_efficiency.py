@@ -14,8 +14,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from move.statistics.estimates import UNKNOWN, TrainingNoise, training_scale
 from move.statistics.intervals import CONFIDENCE
+from move.statistics.training_noise import UNKNOWN, TrainingNoise, training_scale
 
 Curve = Mapping[int, np.ndarray]
 """Timesteps -> successes, (seeds, configurations)."""

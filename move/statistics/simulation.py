@@ -12,8 +12,9 @@ import numpy as np
 import pandas as pd
 from scipy.special import expit
 
-from move.statistics.estimates import TrainingNoise, rate_interval, training_noise_of
+from move.statistics.estimates import rate_interval
 from move.statistics.intervals import wilson_interval
+from move.statistics.training_noise import TrainingNoise, training_noise_of
 
 DIFFICULTY = 1.5  # logits by which configurations differ, standard deviation
 LIKE_CELLS = 30  # cells of three seeds that tell how much trainings differ, as many as table 2 has

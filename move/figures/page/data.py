@@ -14,7 +14,7 @@ import pandas as pd
 from move.errors import BadInput
 from move.figures.page import captions
 from move.figures.page.noise import known_noise
-from move.statistics.estimates import TrainingNoise
+from move.statistics.training_noise import TrainingNoise
 from move.study.execute import execute
 from move.study.labels import LabelledRun
 from move.study.plan import minutes_left

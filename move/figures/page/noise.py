@@ -9,7 +9,7 @@ import numpy as np
 
 from move.figures import load, names
 from move.figures.page.parameters import runs
-from move.statistics.estimates import TrainingNoise, training_noise_of
+from move.statistics.training_noise import TrainingNoise, training_noise_of
 from move.study.profiles import Profile
 from move.study.results import Result, split
 from move.study.spec import RunSpec

@@ -12,8 +12,9 @@ from move.figures.plots.style import NAMES
 from move.sim.collection import METHODS
 from move.sim.tasks import TASKS
 from move.statistics.cells import successes, training_noise
-from move.statistics.estimates import UNKNOWN, TrainingNoise, success_rate
+from move.statistics.estimates import success_rate
 from move.statistics.intervals import wilson_interval
+from move.statistics.training_noise import UNKNOWN, TrainingNoise
 from move.study.results import Result
 from move.study.spec import CollectionRun, PolicyRun
 

@@ -11,8 +11,9 @@ from move.figures.page.printed import ABSENT, readable
 from move.figures.plots.style import NAMES
 from move.figures.tables import points
 from move.statistics.cells import successes, training_noise
-from move.statistics.estimates import UNKNOWN, Estimate, TrainingNoise, difference, holm, mean_difference
+from move.statistics.estimates import Estimate, difference, holm, mean_difference
 from move.statistics.over_tasks import over_tasks
+from move.statistics.training_noise import UNKNOWN, TrainingNoise
 from move.statistics.verdicts import Finding, verdict
 
 Pair = tuple[np.ndarray, np.ndarray]
