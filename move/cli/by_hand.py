@@ -7,7 +7,7 @@ import re
 import time
 from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated, Literal, Optional
+from typing import TYPE_CHECKING, Annotated, Literal, Optional
 
 import typer
 
@@ -17,7 +17,10 @@ from move.cli.output import progress, show, show_paths
 from move.errors import BadInput
 from move.files import refuse_unwritable
 from move.sim.configuration import Box
-from move.sim.observe import IMAGE_SIZE, ObservationKind
+from move.sim.observe import IMAGE_SIZE, ObservationKind, ObservationSpec
+
+if TYPE_CHECKING:
+    from move.learn.agents import Agent
 
 Speed = Annotated[Optional[float], typer.Option(help="the largest, metres per step")]
 Turn = Annotated[Optional[float], typer.Option(help="the largest, radians per step")]
@@ -242,46 +245,55 @@ def evaluate(
                        "moving")
     import numpy as np
 
-    from move.learn import agents
-    from move.learn import evaluate as evaluating
-    from move.learn.checkpoint import learnt_task, load_policy
+    from move.learn.evaluate import evaluate as tried
+    from move.learn.evaluation import Evaluation
     from move.machine import one_thread
-    from move.sim.observe import KEYPOINTS
     from move.sim.tasks import get_task
     from move.statistics.intervals import wilson_interval
-    from move.study import policies
-    from move.study.profiles import load_profile
     from move.study.provenance import provenance
     from move.validation import build
 
-    chosen = load_profile(profile)
+    plan = build(Evaluation, starts=starts, **given)
     one_thread()
-    plan = build(evaluating.Evaluation, starts=starts, **given)
-    who: agents.Agent
-    seen, name = KEYPOINTS, run or agent
-    if run is not None:
-        spec, policy = policies.of_run(run, chosen)
-        if task not in (None, spec.task):
-            raise BadInput(f"task: {task!r} given for a policy of {spec.task}; allowed is that task")
-        task, who, seen = spec.task, agents.PolicyAgent(policy, spec.seed), spec.collection.observed
-    elif checkpoint is not None:
-        task = task or learnt_task(checkpoint)
-        if not task:
-            raise BadInput(f"{checkpoint}: learnt from data that name no task; --task says where it is tried")
-        policy = load_policy(checkpoint, task=task)
-        who, seen = agents.PolicyAgent(policy, seed), policy.observation
-    else:
-        who = agents.CONTROLS[agent](seed)
-    task = task or "pick-place"
+    who, task, seen = _who_acts(checkpoint, agent, run, task, seed, profile)
     with progress("evaluate") as report:
-        rows = evaluating.evaluate(who, get_task(task), plan, seen, report)
+        rows = tried(who, get_task(task), plan, seen, report)
     rate = float(np.mean([row["success"] for row in rows]))
     low, high = wilson_interval(rate, len(rows))
-    content = {"agent": name, "task": task, "episodes": len(rows), "success_rate": rate, "low": low,
+    content = {"agent": run or agent, "task": task, "episodes": len(rows), "success_rate": rate, "low": low,
                "high": high, "mean_steps": float(np.mean([row["steps"] for row in rows]))}
     if as_json:
         content |= {"rows": rows, "provenance": provenance(draws=seen.kind == "rgb")}
     show(content, as_json, "Evaluation (95 % Wilson interval)")
+
+
+def _who_acts(
+    checkpoint: Path | None, agent: str, run: str | None, task: str | None, seed: int, profile: str
+) -> tuple[Agent, str, ObservationSpec]:
+    """Who acts, on which task, and what it sees: a stored run's policy, one of a folder, or a control.
+
+    Raises:
+        BadInput: no such policy or profile; a task that is not the policy's, or none where it names none.
+    """
+    from move.learn.agents import CONTROLS, PolicyAgent
+    from move.learn.checkpoint import learnt_task, load_policy
+    from move.sim.observe import KEYPOINTS
+    from move.study import policies
+    from move.study.profiles import load_profile
+
+    chosen = load_profile(profile)
+    if run is not None:
+        spec, policy = policies.of_run(run, chosen)
+        if task not in (None, spec.task):
+            raise BadInput(f"task: {task!r} given for a policy of {spec.task}; allowed is that task")
+        return PolicyAgent(policy, spec.seed), spec.task, spec.collection.observed
+    if checkpoint is None:
+        return CONTROLS[agent](seed), task or "pick-place", KEYPOINTS
+    task = task or learnt_task(checkpoint)
+    if not task:
+        raise BadInput(f"{checkpoint}: learnt from data that name no task; --task says where it is tried")
+    policy = load_policy(checkpoint, task=task)
+    return PolicyAgent(policy, seed), task, policy.observation
 
 
 @app.command(epilog=examples("move evaluate build/policy --json > A.json", "move compare A.json B.json",

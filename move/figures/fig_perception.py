@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from move.figures import fig1_sparse, fig3_dense, fig5_circle, plots, table1_spatial_factors
 from move.figures.page.captions import DIFFERENCES, INTERVALS, RATES, Words
 from move.figures.page.data import Data
-from move.figures.page.parameters import Count, Observation
+from move.figures.page.parameters import Count, Observation, Repeats
 from move.figures.plots.panels import SEEN, methods_and_seeds
 from move.figures.plots.style import PAGE_WIDTH, titles
 from move.figures.tables import rate_table
@@ -24,7 +24,7 @@ BY = ["observation", "experiment", "method"]
 
 
 def runs(
-    profile: Profile, timesteps: Count = 7000, table_timesteps: Count = 20_000, seeds: Count = 3,
+    profile: Profile, timesteps: Count = 7000, table_timesteps: Count = 20_000, seeds: Repeats = 3,
     grid_side: Count = 15, episodes: Count = 100, observations: tuple[Observation, ...] = ("rgb", "keypoints"),
 ) -> list[LabelledRun]:
     """The runs of those figures, whose label `experiment` is such as "figure 1" or "table 1, all".
