@@ -3,11 +3,13 @@
 import subprocess
 import sys
 
-SLOW = ("torch", "diffusers", "mujoco", "metaworld", "scipy.stats", "statsmodels", "zarr", "distributed")
+SLOW = ("torch", "diffusers", "mujoco", "metaworld", "scipy.stats", "statsmodels", "zarr", "h5py",
+        "huggingface_hub", "distributed")
 QUICK = ("move", "move.learn.settings", "move.study.spec", "move.study.labels", "move.study.kinds",
          "move.study.profiles", "move.study.results", "move.study.plan", "move.study.verify", "move.study.compare",
          "move.study.execute", "move.statistics.over_tasks", "move.statistics.cells",
-         "move.statistics.data_efficiency", "move.figures.fig1_sparse", "move.figures.table2_main")
+         "move.statistics.data_efficiency", "move.figures.fig1_sparse", "move.figures.table2_main",
+         "move.figures.fig8_real_setup", "move.figures.table3_real")
 
 
 def test_what_reads_and_counts_stored_results_imports_nothing_slow():

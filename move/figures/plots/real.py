@@ -12,7 +12,6 @@ from matplotlib.patches import Patch, Rectangle, Wedge
 from move.figures.plots.axes import errors, per_cent
 from move.figures.plots.style import COLOURS, LEAST_POINTS, MARKERS, NAMES, in_order
 from move.paper import REAL_RADIUS_M
-from move.realworld.workspace import CELL_M
 
 GOLDEN = 0.6180339887498949  # multiples of it spread evenly between 0 and 1
 
@@ -94,6 +93,8 @@ def coverage_map(cells: pd.DataFrame, ax: Axes, *, colour: str) -> ScalarMappabl
     Returns:
         What a colour bar needs.
     """
+    from move.realworld.workspace import CELL_M  # the room reads data: slow to import, and of no other figure
+
     outline = half_disc(ax)
     most = max(int(cells["visits"].max()), 1) if len(cells) else 1
     shades = ScalarMappable(PowerNorm(0.5, 0, most), LinearSegmentedColormap.from_list("visits", ["white", colour]))
