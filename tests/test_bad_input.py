@@ -65,6 +65,8 @@ COMMANDS = [
     (("collect", "--task", "juggling"), "'juggling' is not one of 'pick-place'"),
     (("collect", "--method", "magic"), "'magic' is not one of 'static', 'adc', 'move', 'mixture'"),
     (("collect", "--timesteps", "-5"), "timesteps: -5 given; input should be greater than 0"),
+    (("collect", "--timesteps", "few"), "--timesteps: 'few' given; input should be a valid integer"),
+    (("placements", "--places", "0"), "--places: '0' given; input should be greater than or equal to 1"),
     (("collect", "--timesteps", "1e3"), "valid integer"),
     (("collect", "--timesteps", str(10**12)), "less than or equal to 100000000"),
     (("collect", "--timesteps", "9" * 5000), "--timesteps"),

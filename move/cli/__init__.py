@@ -20,11 +20,13 @@ import sys
 import warnings
 
 import typer
+from pydantic import ValidationError
 
 from move import paths
 from move.cli import by_hand, coverage, study, teaching
 from move.cli.options import app
 from move.errors import BadInput
+from move.validation import first_problem
 
 __all__ = ["app", "by_hand", "coverage", "main", "study", "teaching"]
 
@@ -64,7 +66,7 @@ def _outcome() -> int:
     except BadInput as problem:
         return _refuse(str(problem), 2)
     except typer.TyperException as problem:
-        return _refuse(problem.format_message().replace("Value error, ", ""), 2)
+        return _refuse(_in_words(problem), 2)
     except (typer.Abort, KeyboardInterrupt):
         return INTERRUPTED
     except BrokenPipeError:  # the reader of the output has gone, as `head` does
@@ -76,6 +78,13 @@ def _outcome() -> int:
     except (FloatingPointError, MemoryError) as error:
         return _refuse(f"failed: {str(error) or 'not enough memory'}", 1)
     return code if isinstance(code, int) else 0
+
+
+def _in_words(problem: typer.TyperException) -> str:
+    """What is wrong with an argument or an option, with what was given, which typer does not say of numbers."""
+    if isinstance(problem, typer.BadParameter) and problem.param and isinstance(problem.__cause__, ValidationError):
+        return first_problem(problem.__cause__, "/".join(problem.param.opts))
+    return problem.format_message().replace("Value error, ", "")
 
 
 def _refuse(line: str, code: int) -> int:
