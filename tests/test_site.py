@@ -28,6 +28,7 @@ sys.path.insert(0, str(paths.ROOT / "tools"))
 make_site = pytest.importorskip("make_site", reason="Sphinx is not installed")
 
 import browser  # noqa: E402
+import executed_notebooks  # noqa: E402
 import record_atlas  # noqa: E402
 
 WIDTHS = (1280, 390)
@@ -148,7 +149,7 @@ def test_a_site_whose_making_is_killed_leaves_the_one_before_and_the_next_clears
 @pytest.mark.parametrize("text", ["", "{", '{"cells": [', "[]", "{}", "\0" * 50, '{"nbformat": 4, "cells": [{}]}'])
 def test_a_damaged_copy_of_a_notebook_is_none(tmp_path, text):
     (tmp_path / "a.ipynb").write_text(text)
-    assert make_site.read_copy(tmp_path / "a.ipynb") is None
+    assert executed_notebooks.read_copy(tmp_path / "a.ipynb") is None
 
 
 def test_every_table_belongs_to_a_notebook():
@@ -163,15 +164,15 @@ def test_an_executed_copy_counts_only_with_todays_cells_all_run_and_the_profiles
         if cell.cell_type == "code":
             cell.execution_count = 1
     left.metadata["papermill"] = {"input_path": "notebooks/fig1_sparse.ipynb", "parameters": {"profile": "laptop"}}
-    assert make_site.is_of_today(left, notebook)
+    assert executed_notebooks.is_of_today(left, notebook)
     left.metadata["papermill"]["parameters"] = {"seeds": 1}
-    assert not make_site.is_of_today(left, notebook)
+    assert not executed_notebooks.is_of_today(left, notebook)
     left.metadata["papermill"]["parameters"] = {}
     left.cells[2].execution_count = None
-    assert not make_site.is_of_today(left, notebook)
+    assert not executed_notebooks.is_of_today(left, notebook)
     left.cells[2].execution_count = 1
     left.cells[3].source += "\n"
-    assert not make_site.is_of_today(left, notebook)
+    assert not executed_notebooks.is_of_today(left, notebook)
 
 
 def test_a_reader_of_the_site_sees_no_progress_of_a_live_page():
@@ -212,11 +213,11 @@ def test_a_page_that_cannot_be_made_says_why_and_loses_no_other(source, monkeypa
 
 
 def test_a_notebook_is_executed_for_the_site_as_it_is_opened(tmp_path, monkeypatch):
-    monkeypatch.setattr(make_site, "EXECUTED", tmp_path)
+    monkeypatch.setattr(executed_notebooks, "EXECUTED", tmp_path)
     monkeypatch.setenv("MOVE_STORED_ONLY", "1")
     path = paths.NOTEBOOKS / "table4_hyperparameters.ipynb"
-    done = make_site.executed_copy(path)  # whose parameter is a tuple, which papermill would hand on as text
-    assert make_site.is_of_today(done, nbformat.read(path, 4)) and "**Here" in make_site.answer_of(done)
+    done = executed_notebooks.executed_copy(path)  # whose parameter is a tuple, which papermill would hand on as text
+    assert executed_notebooks.is_of_today(done, nbformat.read(path, 4)) and "**Here" in make_site.answer_of(done)
 
 
 def test_a_notebook_that_fails_costs_its_own_copy_alone(monkeypatch, capsys):
@@ -225,10 +226,11 @@ def test_a_notebook_that_fails_costs_its_own_copy_alone(monkeypatch, capsys):
             raise RuntimeError("cell 3")
         return new_notebook()
 
-    monkeypatch.setattr(make_site, "copy_of_today", lambda path: new_notebook() if path.stem == "claims" else None)
-    monkeypatch.setattr(make_site, "executed_copy", executed_copy)
+    monkeypatch.setattr(executed_notebooks, "copy_of_today",
+                        lambda path: new_notebook() if path.stem == "claims" else None)
+    monkeypatch.setattr(executed_notebooks, "executed_copy", executed_copy)
     names = ("claims", "fig1_sparse", "rollouts")
-    found = make_site.executed_copies([paths.NOTEBOOKS / f"{name}.ipynb" for name in names])
+    found = executed_notebooks.executed_copies([paths.NOTEBOOKS / f"{name}.ipynb" for name in names])
     assert [path.stem for path in found] == list(names)
     assert [isinstance(copy, str) for copy in found.values()] == [False, True, False]
     said = capsys.readouterr().out
@@ -236,13 +238,13 @@ def test_a_notebook_that_fails_costs_its_own_copy_alone(monkeypatch, capsys):
 
 
 def test_a_kernel_that_waits_for_nothing_is_ended_and_one_that_computes_is_not(monkeypatch):
-    monkeypatch.setattr(make_site, "LOOK", 0.2)
-    monkeypatch.setattr(make_site, "STALLED", 2.0)
-    monkeypatch.setattr(make_site, "AT_WORK", 0.02)
+    monkeypatch.setattr(executed_notebooks, "LOOK", 0.2)
+    monkeypatch.setattr(executed_notebooks, "STALLED", 2.0)
+    monkeypatch.setattr(executed_notebooks, "AT_WORK", 0.02)
     waiting = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(300)"])
     computing = subprocess.Popen([sys.executable, "-c", "while True: pass"])
     done = threading.Event()
-    watch = threading.Thread(target=make_site.end_stalled_kernels, args=[done])
+    watch = threading.Thread(target=executed_notebooks.end_stalled_kernels, args=[done])
     watch.start()
     try:
         assert waiting.wait(timeout=120) == -signal.SIGKILL

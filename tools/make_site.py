@@ -1,9 +1,8 @@
 """Writes the site into build/site: all results, a page a figure, the documents, an atlas of episodes: `make site`.
 
 From the shipped results and pictures, and from executed notebooks: the copies that `move figure` or an earlier call
-left, where they are the notebooks of today with the profile's own parameters; else executed here, computing nothing
-that is missing. A page that cannot be made says why, and the others are made all the same. Nothing outside build/ is
-written.
+left, or new ones (`executed_notebooks`), which compute nothing that is missing. A page that cannot be made says why,
+and the others are made all the same. Nothing outside build/ is written.
 """
 
 from __future__ import annotations
@@ -16,22 +15,17 @@ import re
 import shutil
 import sys
 import tempfile
-import threading
 import time
 from base64 import b64decode
 from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
-from itertools import count
 from pathlib import Path
 from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 
 import atlas
 import nbformat
 import pandas as pd
-import papermill
-import psutil
-from nbclient.exceptions import DeadKernelError
+from executed_notebooks import executed_copies
 from nbformat import NotebookNode
 from nbformat.v4 import new_markdown_cell
 from PIL import Image
@@ -41,19 +35,15 @@ from sphinx.cmd.build import build_main
 import move
 from move import paths
 from move.figures import load, names, owner
-from move.figures.page import captions, changes, kernels, parameters
+from move.figures.page import captions, kernels, parameters
 from move.files import written_aside
 from move.study.profiles import load_profile
 from move.study.results import Result, split, table
 
 PROFILE = load_profile("laptop")
 SITE, SOURCE, DOCS = paths.BUILD / "site", paths.BUILD / "site-source", paths.ROOT / "docs"
-EXECUTED = paths.BUILD / "site-notebooks"
 SHIPPED, TUTORIAL = PROFILE.figures, paths.NOTEBOOKS / "tutorial"
 ORDER = ("claims", "fig", "table", "generalization", "keypoint")  # beginnings of names; the others follow
-TRIES = 2  # a cell's reply can be lost on the way; then its kernel is ended and the notebook executed again
-STALLED, AT_WORK = 180.0, 0.5  # seconds of waiting within which a kernel that computes uses at least so many of a core
-LOOK = 5.0  # seconds between two looks at that
 GALLERY = ("fig1_sparse", "fig2_overview", "fig5_circle", "table2_main", "claims", "fig4_scaling")
 DOCUMENTS = ("KNOWN_DEVIATIONS.md", "SECURITY.md", *sorted(
     str(path.relative_to(paths.ROOT)) for folder in (DOCS, DOCS / "how-to") for path in folder.glob("*.md")),
@@ -136,94 +126,6 @@ def listed() -> list[Path]:
 
     figures = sorted(kernels.of_profile(PROFILE, stored_only=True), key=lambda name: (place(name), name))
     return [*sorted(TUTORIAL.glob("*.ipynb")), *(paths.NOTEBOOKS / f"{name}.ipynb" for name in figures)]
-
-
-def executed_copies(notebooks: list[Path]) -> dict[Path, NotebookNode | str]:
-    """Each notebook with its outputs, or why it has none; what has to be executed is, several at once."""
-    found: dict[Path, NotebookNode | str | None] = {path: copy_of_today(path) for path in notebooks}
-    lacking = [path for path, copy in found.items() if copy is None]
-    numbers = count(1)
-
-    def execute(path: Path) -> NotebookNode | str:
-        sys.stdout.write(f"make_site: executing {path.stem} ({next(numbers)} of {len(lacking)}) ...\n")
-        sys.stdout.flush()
-        try:
-            return executed_copy(path)
-        except Exception as problem:  # of whatever kind: its page says it, and the others go on
-            return f"{path.stem}: {type(problem).__name__}: {' '.join(str(problem).split())[-300:]}"
-
-    done = threading.Event()
-    threading.Thread(target=end_stalled_kernels, args=[done], daemon=True).start()
-    with ThreadPoolExecutor(os.cpu_count() or 1) as pool:  # each notebook has a process of its own
-        executed = dict(zip(lacking, pool.map(execute, lacking), strict=True))
-    done.set()
-    return {path: executed[path] if copy is None else copy for path, copy in found.items()}
-
-
-def copy_of_today(path: Path) -> NotebookNode | None:
-    """The executed copy that `move figure` or an earlier call left, unless notebook or results have changed since."""
-    newest = max((result.stat().st_mtime for result in PROFILE.results.glob("*.json")), default=0)
-    for folder in (paths.BUILD / "notebooks" / PROFILE.name, EXECUTED):
-        left = folder / path.name
-        if left.exists() and left.stat().st_mtime > newest and (copy := read_copy(left)) and is_of_today(
-                copy, nbformat.read(path, 4)):
-            return copy
-    return None
-
-
-def executed_copy(path: Path) -> NotebookNode:
-    """A notebook executed now, as it would be opened, from stored results alone; the copy stays under build/.
-
-    Raises:
-        RuntimeError: its kernel died or stalled as often as it was tried.
-    """
-    EXECUTED.mkdir(parents=True, exist_ok=True)
-    for _ in range(TRIES):
-        try:
-            done = papermill.execute_notebook(path, EXECUTED / path.name, kernel_name="python3", progress_bar=False,
-                                              cwd=path.parent)
-        except DeadKernelError:
-            continue
-        if all(cell.execution_count for cell in done.cells if cell.cell_type == "code" and cell.source):
-            return done
-    raise RuntimeError(f"its kernel died or stalled {TRIES} times")
-
-
-def end_stalled_kernels(done: threading.Event) -> None:
-    """Watch the processes that this one started until `done`, and end those that wait for what never comes.
-
-    What is bounded is how long nothing happens, not how long a cell computes.
-    """
-    busy: dict[int, tuple[float, float]] = {}  # process -> when it was last seen at work, its seconds of a core then
-    while not done.wait(LOOK):
-        for child in psutil.Process().children():
-            try:
-                used = sum(sum(one.cpu_times()[:2]) for one in (child, *child.children(recursive=True)))
-            except psutil.NoSuchProcess:
-                continue
-            since, before = busy.setdefault(child.pid, (time.monotonic(), used))
-            if used - before > AT_WORK:
-                busy[child.pid] = time.monotonic(), used
-            elif time.monotonic() - since > STALLED:
-                child.kill()
-
-
-def read_copy(path: Path) -> NotebookNode | None:
-    """A notebook that was left; None where it is damaged."""
-    try:
-        return nbformat.read(path, 4)
-    except (ValueError, AttributeError, nbformat.ValidationError):
-        return None
-
-
-def is_of_today(executed: NotebookNode, notebook: NotebookNode) -> bool:
-    """Whether an executed copy has the cells of the notebook, all run, under the profile's own parameters."""
-    cells = [cell for cell in executed.cells if "injected-parameters" not in cell.metadata.get("tags", [])]
-    run_by = executed.metadata.get("papermill", {})
-    same = [cell.source for cell in cells] == [cell.source for cell in notebook.cells]
-    run = all(cell.execution_count for cell in cells if cell.cell_type == "code" and cell.source)
-    name, given = Path(run_by.get("input_path") or "none").stem, run_by.get("parameters", {})
-    return same and run and not (given and changes.change(name, PROFILE, given))
 
 
 def figure_page(name: str, executed: NotebookNode | str) -> NotebookNode:
