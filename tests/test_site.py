@@ -239,7 +239,7 @@ def test_a_notebook_that_fails_costs_its_own_copy_alone(monkeypatch, capsys):
 
 def test_a_kernel_that_waits_for_nothing_is_ended_and_one_that_computes_is_not(monkeypatch):
     monkeypatch.setattr(executed_notebooks, "LOOK", 0.2)
-    monkeypatch.setattr(executed_notebooks, "STALLED", 2.0)
+    monkeypatch.setattr(executed_notebooks, "STALLED", 1.0)
     monkeypatch.setattr(executed_notebooks, "AT_WORK", 0.02)
     waiting = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(300)"])
     computing = subprocess.Popen([sys.executable, "-c", "while True: pass"])
