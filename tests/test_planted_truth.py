@@ -13,8 +13,10 @@ table4_hyperparameters (the profiles; test_outputs). Rollouts shows no film here
 import functools
 import json
 import re
+import tempfile
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
@@ -52,6 +54,7 @@ NEAR = {"hand": "within 3 cm", "group": "grid"}
 REPEATED = ("fig1_sparse", "few_demonstrations", "fifty_demonstrations", "fig3_dense", "fig5_circle", "fig_perception",
             "table1_spatial_factors", "table2_main", "fig6_dimensions", "keypoint_control", "table_keypoint_control")
 """Whose repeated trainings tell how much trainings differ, wherever a rate is shown."""
+LABELS = Path(__file__).with_name("labels.json")
 Row = dict[str, Any]
 
 
@@ -573,6 +576,8 @@ def test_table_5_counts_demonstrations_by_our_experts_own_lengths(world):
         for method in ("static", "adc", "move"):
             _, steps, _ = collected(world, method, "phase", task)
             assert table.loc[TITLES[task], f"{method} demonstrations"] == round(get_task(task).timesteps / steps)
+    made = table["move demonstrations"].sum() / table["static demonstrations"].sum()
+    assert f"MOVE makes {made:.2f} demonstrations for one of static" in here(world, "table5_data_sizes")
 
 
 def test_what_data_cover_stands_beside_the_success_of_the_same_data(world):
@@ -631,6 +636,22 @@ def test_over_tasks_a_prediction_knows_nothing_of_its_own_task(world):
         for task, own in rows.groupby("where"):
             others = rows[rows["where"] != task].value.mean()
             assert own.without.to_numpy() == pytest.approx(others, abs=ROUNDED) and own.predicted.between(0, 1).all()
+
+
+def test_an_arms_factor_is_its_episodes_over_the_others_for_the_others_success(world):
+    text, found = here(world, "fifty_demonstrations"), world.table("fifty_demonstrations_factors")
+    assert set(zip(found.arm, found.other, strict=True)) == {
+        ("5 places", "each its own, random"), ("MOVE, 5 places", "5 places"), ("MOVE, random", "5 places"),
+        ("MOVE, 5 places", "each its own, random"), ("MOVE, random", "each its own, random")}
+    for row in found.itertuples():
+        named = {"task": row.task, "equal": row.equal}
+        own, other = ({count: cell(world, "fifty_demonstrations", {**named, "demonstrations": count, "arm": name})
+                       for count in (25, 50, 100)} for name in (row.arm, row.other))
+        expected = data_efficiency(own, other, 50, draws=1)
+        assert row.task == "pick-place" and row.episodes == 50, row
+        assert row.ratio == pytest.approx(expected.ratio, rel=1e-3) and row.low <= row.ratio <= row.high, row
+        told = f"{row.arm} needs {row.text} times the 50 episodes to match {row.other}"
+        assert told in text or row.equal == "timesteps", row
 
 
 def test_what_was_predicted_of_placements_stands_beside_what_was_planted_there(world):
@@ -1921,6 +1942,21 @@ NAMED = {  # what a caption calls it -> whether it is drawn
 }
 
 
+def labels(figure: plt.Figure) -> list[str]:
+    """What is written at axes, over panels and in legends, without numbers, and without verdicts, which vary."""
+    texts = [text for ax in figure.axes if ax.axison
+             for text in (ax.get_title("left"), ax.get_title(), ax.get_xlabel(), ax.get_ylabel())]
+    for legend in filter(None, [*figure.legends, *(ax.get_legend() for ax in figure.axes)]):
+        texts += [text.get_text() for text in legend.get_texts()]
+    return list(dict.fromkeys(re.sub(r"[\d.,]*\d", "#", text) for text in texts
+                              if text.strip() and not any(word in text for word in verdicts.VERDICTS)))
+
+
+def test_axes_panels_and_legends_are_named_as_they_were_when_somebody_last_looked(printed):
+    """If other words are meant, `python tests/test_planted_truth.py` writes the list anew; look at the difference."""
+    assert labels(printed) == json.loads(LABELS.read_text())[printed.get_label()]
+
+
 def test_the_caption_names_the_marks_that_are_drawn_and_no_other(printed):
     text = captions.caption(words_of(printed.get_label())).text
     told = {mark: bool(re.search(mark, text)) for mark in NAMED}
@@ -1936,3 +1972,14 @@ def test_every_letter_that_the_caption_names_is_a_panel(printed):
 def test_what_comes_from_keypoints_says_so(lacking):
     for name in ("keypoint_control", "table_keypoint_control", "table2_main", "table_adc", "fig_perception"):
         assert any("keypoints" in text.get_text() for text in seen_texts(picture(name, lacking))), name
+
+
+if __name__ == "__main__":
+    with tempfile.TemporaryDirectory() as folder:
+        planted = World(Path(folder))
+        for figure, cell in LACKING.items():
+            planted.lose(figure, **cell)
+        style.use_style()
+        written = {name: labels(picture(name, planted)) for name in PICTURES}
+    lines = (f"{json.dumps(name)}: {json.dumps(texts, ensure_ascii=False)}" for name, texts in written.items())
+    LABELS.write_text("{\n" + ",\n".join(lines) + "\n}\n", encoding="utf-8")
