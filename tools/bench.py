@@ -1,18 +1,24 @@
-"""The speed figures of the README, each against a reference measured in the same run, on one core (`make bench`).
+"""What things cost, in seconds of one core, most against a reference measured in the same run (`make bench`).
 
-    python tools/bench.py [PART ...]       collection, expert, keypoints, drawing, training, memory;
-                                          by default all, in this order
+    python tools/bench.py [PART ...]       collection, expert, keypoints, drawing, training, memory, commands, tests;
+                                           by default all, in this order: ten minutes
 
+Seconds are those of processors, of child processes too, so that they hold on a machine that does other things as well.
 A part by itself is printed only; the whole is written to paper_figures/bench.md.
 """
 
 from __future__ import annotations
 
 import os
+import resource
+import shutil
+import subprocess
 import sys
+import tempfile
 import time
 import warnings
 from collections.abc import Callable
+from pathlib import Path
 
 for name in ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "LP_NUM_THREADS"):
     os.environ[name] = "1"
@@ -27,18 +33,22 @@ from metaworld.policies import ENV_POLICY_MAP  # noqa: E402
 from rich.console import Console  # noqa: E402
 from rich.table import Table  # noqa: E402
 
+from move import paths  # noqa: E402
 from move.files import written_aside  # noqa: E402
 from move.learn.agents import PolicyAgent  # noqa: E402
 from move.learn.evaluate import evaluate  # noqa: E402
 from move.learn.evaluation import Evaluation  # noqa: E402
-from move.learn.train import train  # noqa: E402
-from move.machine import gl_problem, gl_renderer, keep_freed_memory, peak_memory_mb, processor  # noqa: E402
+from move.learn.settings import Training  # noqa: E402
+from move.learn.train import Trainer, train  # noqa: E402
+from move.machine import gl_problem, gl_renderer, keep_freed_memory, processor  # noqa: E402
 from move.paper import PAPER_METHODS  # noqa: E402
 from move.sim.collect import Collection, attempts, collect  # noqa: E402
 from move.sim.scene.scene import Scene  # noqa: E402
 from move.sim.tasks import get_task  # noqa: E402
-from move.study.plan import step_seconds  # noqa: E402
+from move.study.kinds import policy_run  # noqa: E402
+from move.study.processes import ProcessPool  # noqa: E402
 from move.study.profiles import load_profile  # noqa: E402
+from move.study.results import split  # noqa: E402
 
 TASK = "pick-place"
 torch.set_num_threads(1)
@@ -46,17 +56,10 @@ rows: list[tuple[str, str, str, str, str]] = []
 
 
 def seconds(work: Callable[[], object]) -> float:
-    """Wall-clock seconds of one call."""
-    started = time.perf_counter()
+    """Seconds of one core that a call takes, its child processes and the system included."""
+    started = sum(os.times()[:4])
     work()
-    return time.perf_counter() - started
-
-
-def cpu_seconds(work: Callable[[], object]) -> float:
-    """CPU-seconds of one call, of the system's too: of use on a machine that does other things as well."""
-    started = time.process_time()
-    work()
-    return time.process_time() - started
+    return sum(os.times()[:4]) - started
 
 
 def report(what: str, ours: str, reference: str, ratio: float | None, wanted: str) -> None:
@@ -146,9 +149,15 @@ def bench_image_training() -> None:
     plan = Collection(task=TASK, method="static", timesteps=1000, observation="rgb", factors="object")
     keep_freed_memory()
     drawn = seconds(lambda: made.update(data=collect(plan, 0)[0])) / 1000
-    step = step_seconds(recipe, made["data"], 40)
+
+    def step_of(training: Training) -> float:
+        trainer = Trainer(made["data"], training, 0, "cpu")
+        trainer.take_step()
+        return seconds(lambda: [trainer.take_step() for _ in range(40)]) / 40
+
+    step = step_of(recipe)
     plain = recipe.model_copy(update={"noise_draws": 1, "learning_frames": None, "precision": "float32"})
-    windows, reference = recipe.batch_size / step, recipe.batch_size / step_seconds(plain, made["data"], 40)
+    windows, reference = recipe.batch_size / step, recipe.batch_size / step_of(plain)
     how = "one noise level, all frames learn, float32"
     report("training windows, images", f"{windows:,.0f} a second", f"{reference:,.0f} {how}", windows / reference, "")
     report("noise levels tried on them", f"{windows * recipe.noise_draws:,.0f} a second", f"{reference:,.0f} {how}",
@@ -165,15 +174,58 @@ def bench_image_training() -> None:
 
 
 def bench_memory() -> None:
-    """The most memory that anything before took."""
-    report("peak memory", f"{peak_memory_mb():,.0f} MB", "", None, "<= 2,000 MB")
+    """The most memory of an image run of 20,000 timesteps, with fewer gradient steps and episodes than it has."""
+    profile = load_profile("laptop")
+    spec = policy_run(profile, task=TASK, method="move", seed=0, timesteps=20_000, gradient_steps=50, warmup_steps=10,
+                      episodes=20)
+    with tempfile.TemporaryDirectory() as folder, ProcessPool(1) as pool:
+        pool.submit(spec, Path(folder)).result()
+        (made,), _ = split([spec], Path(folder))
+    report("memory, image run of 20,000 timesteps", f"{made.provenance['peak_memory_mb']:,.0f} MB", "", None,
+           "<= 1,300 MB")
 
 
+def bench_commands() -> None:
+    """Commands that read what is stored, in a folder of their own, so that no shipped figure is written."""
+    with tempfile.TemporaryDirectory() as folder:
+        for name in ("profiles", "results", "notebooks"):
+            Path(folder, name).symlink_to(paths.ROOT / name)
+        shutil.copytree(paths.ROOT / "paper_figures", Path(folder, "paper_figures"))
+
+        def command(*arguments: str) -> None:
+            subprocess.run([sys.executable, "-m", "move.cli", *arguments], check=True, stdout=subprocess.DEVNULL,
+                           stderr=subprocess.DEVNULL, env={**os.environ, paths.VARIABLE: folder})
+
+        for what, arguments, wanted in COMMANDS:
+            began = time.monotonic()
+            took = seconds(lambda arguments=arguments: command(*arguments))
+            report(what, f"{took:.1f} s", f"{time.monotonic() - began:.0f} s by the clock", None, wanted)
+    most = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / (1e6 if sys.platform == "darwin" else 1e3)
+    report("memory, the largest of their processes", f"{most:,.0f} MB", "", None, "<= 1,000 MB")
+
+
+def bench_tests() -> None:
+    """The tests: finding them, and `make test` with its checks of style and types."""
+    for what, arguments, wanted in (
+            ("finding all tests", [sys.executable, "-m", "pytest", "--collect-only", "-q"], "<= 6 s"),
+            ("make test", ["make", "test"], "<= 330 s")):
+        began = time.monotonic()
+        took = seconds(lambda arguments=arguments: subprocess.run(
+            arguments, cwd=paths.ROOT, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL))
+        report(what, f"{took:.1f} s", f"{time.monotonic() - began:.0f} s by the clock", None, wanted)
+
+
+COMMANDS = (
+    ("move plan", ["plan"], "<= 3 s"),
+    ("move verify --all", ["verify", "--all"], "<= 5 s"),
+    ("make fig1", ["figure", "fig1_sparse", "--stored-only"], "<= 7 s"),
+    ("make figures", ["figure", "--stored-only"], "<= 90 s"),
+)
 PARTS: dict[str, Callable[[], None]] = {
     "collection": bench_collection, "expert": bench_expert, "keypoints": bench_keypoint_run, "drawing": bench_drawing,
-    "training": bench_image_training, "memory": bench_memory,
+    "training": bench_image_training, "memory": bench_memory, "commands": bench_commands, "tests": bench_tests,
 }
-DRAWN = ("drawing", "training")
+DRAWN = ("drawing", "training", "memory")
 
 
 def main() -> None:
@@ -186,7 +238,7 @@ def main() -> None:
         else:
             PARTS[name]()
     header = ("what", "ours", "reference", "ratio", "wanted")
-    where = f"{processor()}, one core; GL: {gl_renderer()}; load when it began: {load:.1f}"
+    where = f"{processor()}, in seconds of one core; GL: {gl_renderer()}; load when it began: {load:.1f}"
     table = Table(*header, title=where)
     for row in rows:
         table.add_row(*row)
