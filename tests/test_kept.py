@@ -2,6 +2,7 @@
 
 import json
 import shutil
+from dataclasses import replace
 
 import pytest
 
@@ -49,6 +50,22 @@ def test_a_record_that_was_changed_is_none(shipped, change):
 def test_a_figure_whose_own_file_was_changed_is_made_anew(shipped, monkeypatch):
     monkeypatch.setattr(kept.inspect, "getsource", lambda module: "")
     assert shipped[2]() is None
+
+
+def test_a_figure_whose_intervals_rest_on_other_figures_runs_is_made_anew_when_these_tell_another_noise(
+        shipped, monkeypatch):
+    name, record, answers = shipped
+    told, content = Data(LAPTOP, record.parent), json.loads(record.read_text())
+    told.noise("rgb", grid=True)
+    kept.keep(name, told, {}, {})
+    noises = json.loads(record.read_text())["noises"]
+    assert list(noises) == ["rgb True"]
+    content.update(noises=noises, files=kept._files(name, record.parent))
+    content.update(digest=kept._of_json({key: value for key, value in content.items() if key != "digest"}))
+    record.write_text(json.dumps(content))
+    assert answers() is not None
+    monkeypatch.setattr(Data, "noise", lambda data, seen, grid: replace(told.noises[seen, grid], repeats=1))
+    assert answers() is None
 
 
 @pytest.mark.parametrize("text", ["", "[]", "null", "{", "7", "\0"])

@@ -175,14 +175,14 @@ def _bars(rates: pd.DataFrame, ax: Axes) -> None:
 
 
 def answer(tables: dict[str, pd.DataFrame], data: Data, *, task: str) -> str:
-    """The factors of the first task at equal demonstrations, and the rates that they come from."""
+    """How many times the episodes of random places each arm of `ASKED` needs, at equal demonstrations, and the order.
+    """
     factors = tables["factors"]
-    shown = factors[(factors.task == task) & (factors.equal == "demonstrations")]
-    each = "; ".join(f"{row.arm} needs {row.text} times the {row.episodes} episodes to match {row.other}"
-                     for row in shown.itertuples())
-    return (f"**The paper** compares at equal timesteps alone. **Here**, with the object alone random: "
-            f"{each or 'not computed yet'}. {_order(tables['predicted'])}"
-            f"**How sure:** 95 % intervals with training noise. {data.sample_size}")
+    shown = factors[(factors.task == task) & (factors.equal == "demonstrations") & (factors.other == SPREAD_OUT)]
+    each = "; ".join(f"{row.arm} {row.text}" for row in shown.itertuples())
+    asked = "".join(f", episodes to match {count} random places, over {count}" for count in shown.episodes.unique())
+    return (f"**The paper** does not ask. **Here**{asked}: {each or 'not computed yet'}. {_order(tables['predicted'])}"
+            f"**How sure:** {data.sample_size}")
 
 
 def _order(table: pd.DataFrame) -> str:
@@ -191,8 +191,8 @@ def _order(table: pd.DataFrame) -> str:
     if len(table) < len(ARMS):
         return ""
     found = float(table.predicted.corr(table.value, method="spearman"))
-    return (f"On {TASKS[table.task.iloc[0]].title} their order was {'' if found >= SAME_ORDER else 'not '}as predicted "
-            f"from distance (Spearman's correlation {found:.2f}). ")
+    return (f"{TASKS[table.task.iloc[0]].title}: order {'' if found >= SAME_ORDER else 'not '}as predicted "
+            f"(Spearman {found:.2f}). ")
 
 
 WORDS = Words(

@@ -31,6 +31,7 @@ class Data:
         folder: where the figure is written, and whatever else it makes, such as films.
         postponed: how long computing what is missing would take and how to start it; empty where nothing waits for it.
         seen: what the function `seen` of the figure's file gave.
+        noises: what `noise` has given so far, by observation and whether it is of a grid.
     """
 
     profile: Profile
@@ -40,7 +41,7 @@ class Data:
     missing: list[tuple[RunSpec, str]] = field(default_factory=list)
     postponed: str = ""
     seen: Any = None
-    _noises: dict[tuple[str, bool], TrainingNoise] = field(default_factory=dict, init=False)
+    noises: dict[tuple[str, bool], TrainingNoise] = field(default_factory=dict, init=False)
 
     @cached_property
     def episodes(self) -> pd.DataFrame:
@@ -54,9 +55,9 @@ class Data:
 
     def noise(self, observation: str = "rgb", grid: bool = False) -> TrainingNoise:
         """How much a rate varies from training to training, the same in every figure, see `known_noise`."""
-        if (observation, grid) not in self._noises:
-            self._noises[observation, grid] = known_noise(self.profile, observation, grid)
-        return self._noises[observation, grid]
+        if (observation, grid) not in self.noises:
+            self.noises[observation, grid] = known_noise(self.profile, observation, grid)
+        return self.noises[observation, grid]
 
     def with_missing(self, rates: pd.DataFrame, by: list[str]) -> pd.DataFrame:
         """A `rate_table` with a row for all that the runs were to give, NaN where it is missing, in their order."""

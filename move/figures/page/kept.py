@@ -1,8 +1,9 @@
 """Figures that simulate are made once: what was shipped is shown as long as it is made of the same things.
 
 Next to such a figure `NAME.made.json` says what it was made of (its own file, its parameters, its runs, the policies
-that are there, the versions of what decides), its answer, the sha256 of each of its files, and a digest of all that. A
-figure whose file says `SIMULATES = True` is made anew only if one of these differs.
+that are there, the versions of what decides; and how much trainings differ, which other figures' runs tell), its
+answer, the sha256 of each of its files, and a digest of all that. A figure whose file says `SIMULATES = True` is made
+anew only if one of these differs.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from move.figures.page.data import Data
 from move.figures.page.parameters import SHARED
 from move.files import written_aside
 from move.machine import gl_problem
+from move.statistics.training_noise import TrainingNoise
 from move.study.provenance import deciding
 from move.study.spec import RESULTS_VERSION
 
@@ -32,7 +34,8 @@ def keep(name: str, data: Data, chosen: Mapping[str, Any], answers: Mapping[str,
     """Note what a figure was made of, once it is written."""
     if not getattr(load(name), "SIMULATES", False) or gl_problem():  # without GL there would be no images to keep
         return
-    content = {"made_of": _made_of(name, data, chosen), "answers": dict(answers), "files": _files(name, data.folder)}
+    content = {"made_of": _made_of(name, data, chosen), "answers": dict(answers), "files": _files(name, data.folder),
+               "noises": {f"{seen} {grid}": _numbers(noise) for (seen, grid), noise in data.noises.items()}}
     with written_aside(data.folder / f"{name}.made.json") as new:
         new.write_text(json.dumps({**content, "digest": _of_json(content)}, indent=1, sort_keys=True) + "\n",
                        encoding="utf-8")
@@ -46,7 +49,10 @@ def answers(name: str, data: Data, chosen: Mapping[str, Any]) -> dict[str, str] 
     try:
         content = json.loads(record.read_text(encoding="utf-8"))
         whole = content.pop("digest") == _of_json(content) and content["files"] == _files(name, data.folder)
-        return content["answers"] if whole and content["made_of"] == _made_of(name, data, chosen) else None
+        same = content["made_of"] == _made_of(name, data, chosen) and all(
+            _numbers(data.noise(seen, grid == "True")) == noise
+            for (seen, grid), noise in ((key.split(), noise) for key, noise in content.get("noises", {}).items()))
+        return content["answers"] if whole and same else None
     except (OSError, ValueError, KeyError, TypeError, AttributeError):  # no such file, or not as `keep` writes it
         return None
 
@@ -73,6 +79,10 @@ def _made_of(name: str, data: Data, chosen: Mapping[str, Any]) -> str:
     parts = [inspect.getsource(load(name)), plain(own), sorted(result.spec.hash for result in data.results),
              policies if data.runs else [], versions, RESULTS_VERSION, data.profile.stamp]
     return _of_json(parts)
+
+
+def _numbers(noise: TrainingNoise) -> list[float]:
+    return [noise.variance, noise.degrees, noise.repeats]
 
 
 def _files(name: str, folder: Path) -> dict[str, str]:
