@@ -44,6 +44,13 @@ def simulated(rng, curve=TRUE, seeds=3, rows=225, trainings=0.05, lead=0.0, move
     return Tries(**{name: np.concatenate([vars(part)[name] for part in parts]) for name in vars(parts[0])})
 
 
+@pytest.fixture(autouse=True)
+def one_search(monkeypatch):
+    """Many take a minute, and what is simulated here one finds."""
+    monkeypatch.setattr(distance, "STARTS", 1)
+    monkeypatch.setattr(distance, "HOPS", 0)
+
+
 def tries(apart, success, *labels):
     run, cell, group, move = labels or ("", "", "", False)
     ones = np.ones(len(apart))
@@ -65,6 +72,24 @@ def test_a_radius_is_found_for_each_factor_and_the_nearest_timestep_is_taken():
     assert found.radii == pytest.approx(true.radii, rel=0.1) and found.steepness == pytest.approx(2.5, rel=0.1)
     slow = np.sqrt(((apart[:50] / np.array(true.radii)) ** 2).sum(axis=2).min(axis=1))
     assert true.scaled(apart[:50]) == pytest.approx(slow, rel=1e-4)
+
+
+def test_many_searches_find_a_likelihood_that_one_does_not(monkeypatch):
+    """Of five factors, as many as a task has."""
+    rng, radii = np.random.default_rng(2), np.array([0.05, 0.6, 0.1, 0.9, 0.08])
+    apart = rng.exponential(radii * rng.uniform(0.3, 1.5, 5), (400, 8, 5))
+    truth, ones = Curve(0.9, tuple(radii), 4.0), np.ones(400)
+    one = tries(apart, ones)
+    one = replace(one, success=rng.random(400) < truth.chance(one))
+
+    def likelihood(curve: Curve) -> float:
+        return float(distance._log_likelihood(one.success, curve.chance(one)).sum())
+
+    few = likelihood(distance.fit(one))
+    monkeypatch.setattr(distance, "STARTS", 4)
+    monkeypatch.setattr(distance, "HOPS", 8)
+    many = likelihood(distance.fit(one))
+    assert many > few + 0.1 and many > likelihood(truth)
 
 
 def test_a_factor_that_decides_nothing_has_a_radius_beyond_all_distances():

@@ -2,8 +2,9 @@
 
     python tools/house.py
 
-The lines of a test file are shared among the rooms that it imports, by how many modules of each. A back edge is an
-import of a room that lies later in the order in which data flow.
+A public name is a function or class at the top of a file that other files may use. The lines of a test file are shared
+among the rooms that it imports, by how many modules of each. A back edge is an import of a room that lies later in the
+order in which data flow. What commands and tests cost, in seconds of a core, is measured by `make bench`.
 """
 
 from __future__ import annotations
@@ -61,8 +62,11 @@ def measure_room(name: str, paths: list[Path], test_lines: float) -> dict[str, f
     arguments = [argument for function in found for argument in (*function.args.args, *function.args.kwonlyargs)
                  if argument.arg not in ("self", "cls")]
     public = [function for function in found if not function.name.startswith("_")]
+    names = sum(isinstance(node, Function | ast.ClassDef) and not node.name.startswith("_")
+                for text in texts for node in ast.parse(text).body)
     return {
-        "room": name, "files": len(paths), "lines": sum(lines), "file_median": median(lines), "file_max": max(lines),
+        "room": name, "files": len(paths), "lines": sum(lines), "lines_a_name": round(sum(lines) / names),
+        "file_median": median(lines), "file_max": max(lines),
         "function_median": median(sizes), "function_max": max(sizes),
         "arguments_typed": round(100 * sum(argument.annotation is not None for argument in arguments) / len(arguments)),
         "documented": round(100 * sum(ast.get_docstring(function) is not None for function in public) / len(public)),
@@ -100,6 +104,7 @@ def main() -> None:
         for name, count in used.items():
             tests[name] += len(path.read_text().splitlines()) * count / used.total()
     rows = [measure_room(name, paths[name], tests[name]) for name in ("move", *ORDER)]
+    rows.append(measure_room("all", [path for files in paths.values() for path in files], tests.total()))
     print(pd.DataFrame(rows).to_string(index=False))
     print(f"cycle: {cycle(trees) or 'none'}\nback edges: {back_edges(trees) or 'none'}")
 
