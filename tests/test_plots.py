@@ -253,3 +253,24 @@ def test_frames_stand_apart_with_their_labels():
     white = (np.asarray(row)[0, :, 0] == 255)
     assert row.shape == (60, 3 * 60 + 2 * 2, 3) and white.sum() == 4 and not white[:60].any()
     assert [text.get_text() for text in ax.texts] == ["0", "10", "20"]
+
+
+@pytest.mark.parametrize("width", [style.COLUMN_WIDTH, style.PAGE_WIDTH])
+@pytest.mark.parametrize("legend", [True, False])
+def test_a_heading_stands_over_the_figure_and_over_nothing_else(width, legend):
+    style.use_style()
+    figure, ax = plt.subplots(figsize=(width, 2.3))
+    ax.plot([0, 1], [0, 1], label="static")
+    ax.set(xticks=[0, 1], yticks=[0, 1])
+    ax.set_title("a panel", loc="left")
+    if legend:
+        figure.legend(*ax.get_legend_handles_labels(), loc="outside upper center")
+    style.heading(figure, "Not the shipped figure: steps_allowed 60, 80, 100, 150, 500 (60, 80, 100, 150, 200)")
+    style.settle(figure)
+    figure.draw_without_rendering()
+    names = [text for text in figure.findobj(plt.Text) if text.get_text().strip() and text.get_visible()]
+    boxes = [text.get_window_extent() for text in names]
+    over, = (box for text, box in zip(names, boxes, strict=True) if text.get_text().startswith("Not the"))
+    assert over.x0 >= 0 and over.x1 <= figure.bbox.width and over.y1 <= figure.bbox.height
+    assert sum(over.overlaps(box) for box in boxes) == 1  # itself
+    plt.close(figure)

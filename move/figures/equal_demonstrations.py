@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from move.figures import plots
 from move.figures.page.captions import DIFFERENCES, INTERVALS, RATES, Words
 from move.figures.page.data import Data
-from move.figures.page.parameters import Count, Seeds, TaskName
+from move.figures.page.parameters import Count, Repeats, TaskName
 from move.figures.plots.panels import methods_and_seeds
 from move.figures.plots.style import COLUMN_WIDTH, NAMES, titles
 from move.figures.tables import demonstrations_made, rate_table
@@ -27,7 +27,7 @@ BY = ["equal", "method"]
 
 def runs(
     profile: Profile, task: TaskName = "pick-place", static_timesteps: Count = 18_000, move_timesteps: Count = 20_000,
-    seeds: Seeds = 2, episodes: Count = 100,
+    seeds: Repeats = 2, episodes: Count = 100,
 ) -> list[LabelledRun]:
     """Both methods from pixels; the label `equal` says which is equal, demonstrations or timesteps.
 

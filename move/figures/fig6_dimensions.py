@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from move.figures import plots
 from move.figures.page.captions import INTERVALS, RATES, Words
 from move.figures.page.data import Data
-from move.figures.page.parameters import Count, Seeds
+from move.figures.page.parameters import Count, Repeats
 from move.figures.plots.panels import methods_and_seeds
 from move.figures.plots.style import PAGE_WIDTH, titles
 from move.figures.tables import rate_table
@@ -32,7 +32,7 @@ BY = ["task", "moves", "method"]
 
 def runs(
     profile: Profile, tasks: tuple[str, ...] = ("pick-place", "assembly"),
-    alone_tasks: tuple[str, ...] = ("pick-place",), seeds: Seeds = 3, episodes: Count = 100,
+    alone_tasks: tuple[str, ...] = ("pick-place",), seeds: Repeats = 3, episodes: Count = 100,
     most_timesteps: Count = 20_000,
 ) -> list[LabelledRun]:
     """MOVE from pixels at table 2's budget with more and more in motion; on some tasks each motion alone.

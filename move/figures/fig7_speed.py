@@ -14,7 +14,7 @@ from pydantic import Field
 from move.figures import plots
 from move.figures.page.captions import INTERVALS, RATES, Words
 from move.figures.page.data import Data
-from move.figures.page.parameters import Count, Seeds
+from move.figures.page.parameters import Count, Repeats
 from move.figures.plots.panels import seed_dot
 from move.figures.plots.style import PAGE_WIDTH, titles
 from move.figures.tables import rate_table
@@ -37,7 +37,7 @@ BY = ["task", "part", "speed", "method"]
 def runs(
     profile: Profile, tasks: tuple[str, ...] = ("pick-place", "assembly"),
     camera_tasks: tuple[str, ...] = ("pick-place",), speeds: tuple[Speed, ...] = (0.01, 0.02, 0.03, 0.05, 0.08),
-    camera_degrees: tuple[Degrees, ...] = (0.33, 0.67, 1.0, 1.67, 2.67), seeds: Seeds = 2, episodes: Count = 100,
+    camera_degrees: tuple[Degrees, ...] = (0.33, 0.67, 1.0, 1.67, 2.67), seeds: Repeats = 2, episodes: Count = 100,
     most_timesteps: Count = 20_000,
 ) -> list[LabelledRun]:
     """MOVE from pixels at table 2's budget, one speed at a time; and static.

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from move.figures import plots
 from move.figures.page.captions import INTERVALS, RATES, Words
 from move.figures.page.data import Data
-from move.figures.page.parameters import Count, Seeds, Share, TaskName
+from move.figures.page.parameters import Count, Repeats, Share, TaskName
 from move.figures.plots.panels import methods_and_seeds
 from move.figures.plots.style import COLUMN_WIDTH, titles
 from move.figures.tables import rate_table
@@ -27,7 +27,7 @@ BY = ["share", "method"]
 
 def runs(
     profile: Profile, task: TaskName = "pick-place", shares: tuple[Share, ...] = (0, 0.25, 0.5, 0.75, 1),
-    seeds: Seeds = 2, timesteps: Count = 20_000, episodes: Count = 100,
+    seeds: Repeats = 2, timesteps: Count = 20_000, episodes: Count = 100,
 ) -> list[LabelledRun]:
     """So much of the timesteps by MOVE and the rest static, from pixels; the label `share` is MOVE's."""
     base = partial(policy_run, profile, task=task, timesteps=timesteps, episodes=episodes)

@@ -12,7 +12,7 @@ from move.choices import SpeedLaw
 from move.figures import plots
 from move.figures.page.captions import INTERVALS, RATES, Words
 from move.figures.page.data import Data
-from move.figures.page.parameters import Count, Seeds, TaskName
+from move.figures.page.parameters import Count, Repeats, TaskName
 from move.figures.plots.panels import methods_and_seeds
 from move.figures.plots.style import COLUMN_WIDTH, titles
 from move.figures.tables import rate_table
@@ -28,7 +28,7 @@ BY = ["law", "method"]
 
 def runs(
     profile: Profile, task: TaskName = "pick-place", laws: tuple[SpeedLaw, ...] = ("beta", "uniform", "constant"),
-    seeds: Seeds = 2, timesteps: Count = 20_000, episodes: Count = 100,
+    seeds: Repeats = 2, timesteps: Count = 20_000, episodes: Count = 100,
 ) -> list[LabelledRun]:
     """MOVE with every speed drawn by another law of the same mean, and static; the label `law`.
 

@@ -1,4 +1,4 @@
-"""Intervals of rates and of means; every room takes them from here."""
+"""Plain intervals of a share of trials and of a mean of few values; what knows of trainings is in `estimates`."""
 
 from __future__ import annotations
 

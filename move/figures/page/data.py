@@ -103,7 +103,8 @@ def load_or_run(runs: list[LabelledRun], profile: Profile, folder: Path, most_mi
         BadInput: there is nothing at all to draw; the message says why.
     """
     if not runs:
-        raise BadInput(f"profile {profile.name}: has no runs of this figure; allowed is another profile")
+        raise BadInput(f"profile {profile.name}: has no runs of this figure with these parameters; allowed are others, "
+                       "or another profile")
     wanted = list(dict.fromkeys(run.spec for run in runs))
     there, missing, postponed = _found(wanted, profile, most_minutes)
     if not there:

@@ -26,7 +26,8 @@ def curve(table: pd.DataFrame, x: str, label: str, ax: Axes, log: bool = False, 
         dots: draw a white dot a seed, of the column seeds.
     """
     ticks = sorted(table[x].unique())
-    apart = 0.035 * (np.log(ticks[-1] / ticks[0]) if log else ticks[-1] - ticks[0])
+    places = np.log(ticks) if log else np.array(ticks, float)
+    apart = min([0.035 * (places[-1] - places[0]), *0.2 * np.diff(places)])  # nearer to their own tick than to another
     methods = in_order(table.method)
     for method, shift in zip(methods, apart * np.linspace(-1, 1, len(methods)) * (len(methods) > 1), strict=True):
         rows = table[table.method == method].sort_values(x)

@@ -14,6 +14,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.font_manager import FontProperties
 from matplotlib.transforms import Bbox
 from PIL import Image
 
@@ -83,12 +84,18 @@ def remark(figure: Figure, text: str) -> None:
 
 
 def heading(figure: Figure, text: str, colour: str = "black") -> None:
-    """Write over the figure, under what stands there already, what nobody may overlook who sees it alone.
+    """Write over figure and legend, under what stands there already, what nobody may overlook who sees it alone.
 
     The figure grows by the height of the text, so that its panels keep theirs.
     """
-    wrapped = textwrap.fill(text, int(figure.get_figwidth() * 15))
+    wrapped = textwrap.fill(text, int(figure.get_figwidth() * 13))
     figure.set_figheight(figure.get_figheight() + 0.16 * (wrapped.count("\n") + 1))
+    if figure.legends:  # which the layout would put where it puts a figure's title
+        legend = figure.legends[0]
+        lines = "\n".join(filter(None, (legend.get_title().get_text(), wrapped)))
+        legend.set_title(lines, FontProperties(size=8.5, weight="bold"))
+        legend.get_title().set(color=colour, parse_math=False, multialignment="left")
+        return
     lines = "\n".join(filter(None, (figure.get_suptitle(), wrapped)))
     figure.suptitle(lines, fontsize=8.5, color=colour, weight="bold", x=0.01, ha="left", parse_math=False)
 
