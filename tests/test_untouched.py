@@ -62,8 +62,8 @@ def unlike(status, monkeypatch):
         written = BytesIO()
         figure.savefig(written, format="png", metadata={"Software": None})
         with Image.open(written) as here, Image.open(LAPTOP.figures / f"{name}.png") as there:
-            same = here.size == there.size and np.abs(
-                np.asarray(here.convert("RGB"), int) - np.asarray(there.convert("RGB"), int)).max() <= style.UNSEEN_LEVELS
+            old, new = (np.asarray(image.convert("RGB"), int) for image in (there, here))
+        same = old.shape == new.shape and np.abs(new - old).max() <= style.UNSEEN_LEVELS
         found.extend([name] * (not same))
 
     monkeypatch.setattr(style, "save", drawn)
