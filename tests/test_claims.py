@@ -4,6 +4,7 @@ import hashlib
 import json
 import math
 import subprocess
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -183,6 +184,23 @@ def test_a_claim_without_runs_says_what_it_would_cost(tmp_path, monkeypatch):
     missing = [item for item in asked if isinstance(item, Missing)]
     assert len(missing) > 20 and all(item.runs > 0 for item in missing)
     assert not [item for item in asked if isinstance(item, Finding)]
+
+
+def test_the_papers_value_of_several_things_is_the_mean_of_its_values():
+    several = [SimpleNamespace(value=value, low=value - 0.1, high=value + 0.1, paper=paper_value)
+               for value, paper_value in ((0.2, 0.1), (0.4, 0.5), (0.3, 0.9))]
+    mean = ledger._mean(several)
+    assert (mean["value"], mean["paper"]) == pytest.approx((0.3, 0.5)) and mean["low"] < 0.3 < mean["high"]
+
+
+def test_what_is_missing_costs_its_steps_and_what_only_collects_its_collection(monkeypatch):
+    asked = pd.DataFrame({"run": ["a", "b", "c", "d"], "stored": [False, False, False, True],
+                          "steps": [1000, 500, 0, 700], "task": "push"})
+    evidence = Evidence(LAPTOP)
+    monkeypatch.setattr(evidence, "asked", lambda experiment: asked)
+    vars(evidence).update(_minutes_a_step=0.01, _minutes_without_training=3.0)
+    found = evidence.missing("it", "table2_main", {"task": "push"})
+    assert (found.runs, found.minutes) == (3, pytest.approx(1500 * 0.01 + 3.0))
 
 
 @pytest.mark.parametrize("profile, gl", [("laptop-keypoints", True), ("smoke", False), ("paper", True)])

@@ -635,6 +635,14 @@ def test_over_tasks_a_prediction_knows_nothing_of_its_own_task(world):
             assert own.without.to_numpy() == pytest.approx(others, abs=ROUNDED) and own.predicted.between(0, 1).all()
 
 
+def test_a_claim_that_is_asked_again_is_named_as_its_difference_is_taken(world):
+    world.show("decided")
+    named = [text.get_text() for text in world.figures["decided"].axes[0].get_yticklabels()]
+    table = world.table("decided_differences")
+    assert len(table) == len(named) and set(named) == {
+        f"{row.claim}: {row.variant} \N{MINUS SIGN} {row.baseline}" for row in table.itertuples()}
+
+
 def test_an_arms_factor_is_its_episodes_over_the_others_for_the_others_success(world):
     text, found = here(world, "fifty_demonstrations"), world.table("fifty_demonstrations_factors")
     assert set(zip(found.arm, found.other, strict=True)) == {

@@ -1,13 +1,17 @@
 """Every figure that trains takes another task, other repetitions and other motions; what it has no name for has a way.
 """
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 import pytest
 
+from move import paths
 from move.errors import BadInput
 from move.figures import names
 from move.figures.page import changes, make
+from move.figures.page.data import Data
 from move.figures.page.parameters import SHARED, defaults, extras, other_task, parameters, runs, trains, with_runs
 from move.sim.motion.wrappers import movable
 from move.sim.tasks import get_task
@@ -87,7 +91,7 @@ def test_bad_values_are_refused(given, told):
         runs("table1_spatial_factors", LAPTOP, given)
 
 
-def test_of_another_task_the_papers_values_are_left_out_and_the_words_name_it():
+def test_of_another_task_the_papers_values_are_left_out_and_the_words_name_it(monkeypatch):
     chosen = parameters("table1_spatial_factors", LAPTOP, {"task": "push"})
     assert other_task("table1_spatial_factors", LAPTOP, chosen) == ("pick-place", "push")
     assert other_task("table1_spatial_factors", LAPTOP, {**chosen, "task": ""}) is None
@@ -97,3 +101,6 @@ def test_of_another_task_the_papers_values_are_left_out_and_the_words_name_it():
     assert np.isnan(make._without_papers(table).paper[0]) and make._without_papers(table).value[0] == 0.4
     named = make.Made("a", None, {}, {}, {}, {}, None, ("pick-place", "push"))
     assert make._named("Success on Pick-Place.", named) == "Success on Push."
+    monkeypatch.setattr(changes, "by_command", lambda: False)
+    shown = replace(named, data=Data(LAPTOP, paths.BUILD / "figures"), answers={"a": "It is."}).answer.data
+    assert "The paper's values are of Pick-Place." in shown
