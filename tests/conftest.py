@@ -25,7 +25,6 @@ collect_ignore = [] if all(map(find_spec, OF_ENVIRONMENTS)) else ["environments"
 matplotlib.use("Agg")  # no window
 sys.modules["rfc3987_syntax"] = None  # nbformat's validator compiles its 38 grammars, for seconds; no test needs them
 gc.disable()  # until everything is imported
-sys.modules.setdefault("rfc3987_syntax", None)  # nbformat would build its grammars: 1.5 s
 one_thread_in_children()
 one_thread()
 

@@ -1,6 +1,6 @@
 """What things cost, in seconds of one core, most against a reference measured in the same run (`make bench`).
 
-    python tools/bench.py [PART ...]       collection, expert, keypoints, drawing, training, memory, commands, tests;
+    python tools/bench.py [PART ...]       collection, expert, keypoints, drawing, training, commands, memory, tests;
                                            by default all, in this order: ten minutes
 
 Seconds are those of processors, of child processes too, so that they hold on a machine that does other things as well.
@@ -185,34 +185,37 @@ def bench_memory() -> None:
            "<= 1,300 MB")
 
 
+def report_command(what: str, arguments: list[str], wanted: str, **variables: str) -> None:
+    """Run a command in the repository with more environment variables, and note what it took.
+
+    Raises:
+        subprocess.CalledProcessError: it failed.
+    """
+    began = time.monotonic()
+    took = seconds(lambda: subprocess.run(arguments, cwd=paths.ROOT, check=True, stdout=subprocess.DEVNULL,
+                                          stderr=subprocess.DEVNULL, env={**os.environ, **variables}))
+    report(what, f"{took:.1f} s", f"{time.monotonic() - began:.0f} s by the clock", None, wanted)
+
+
 def bench_commands() -> None:
-    """Commands that read what is stored, in a folder of their own, so that no shipped figure is written."""
+    """Commands that read what is stored, in a folder of their own, so that no shipped figure is written.
+
+    Before any other process is waited for, whose memory would count.
+    """
     with tempfile.TemporaryDirectory() as folder:
         for name in ("profiles", "results", "notebooks"):
             Path(folder, name).symlink_to(paths.ROOT / name)
         shutil.copytree(paths.ROOT / "paper_figures", Path(folder, "paper_figures"))
-
-        def command(*arguments: str) -> None:
-            subprocess.run([sys.executable, "-m", "move.cli", *arguments], check=True, stdout=subprocess.DEVNULL,
-                           stderr=subprocess.DEVNULL, env={**os.environ, paths.VARIABLE: folder})
-
         for what, arguments, wanted in COMMANDS:
-            began = time.monotonic()
-            took = seconds(lambda arguments=arguments: command(*arguments))
-            report(what, f"{took:.1f} s", f"{time.monotonic() - began:.0f} s by the clock", None, wanted)
+            report_command(what, [sys.executable, "-m", "move.cli", *arguments], wanted, **{paths.VARIABLE: folder})
     most = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / (1e6 if sys.platform == "darwin" else 1e3)
     report("memory, the largest of their processes", f"{most:,.0f} MB", "", None, "<= 1,000 MB")
 
 
 def bench_tests() -> None:
     """The tests: finding them, and `make test` with its checks of style and types."""
-    for what, arguments, wanted in (
-            ("finding all tests", [sys.executable, "-m", "pytest", "--collect-only", "-q"], "<= 6 s"),
-            ("make test", ["make", "test"], "<= 330 s")):
-        began = time.monotonic()
-        took = seconds(lambda arguments=arguments: subprocess.run(
-            arguments, cwd=paths.ROOT, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL))
-        report(what, f"{took:.1f} s", f"{time.monotonic() - began:.0f} s by the clock", None, wanted)
+    report_command("finding all tests", [sys.executable, "-m", "pytest", "--collect-only", "-q"], "<= 6 s")
+    report_command("make test", ["make", "test"], "<= 330 s")
 
 
 COMMANDS = (
@@ -223,7 +226,7 @@ COMMANDS = (
 )
 PARTS: dict[str, Callable[[], None]] = {
     "collection": bench_collection, "expert": bench_expert, "keypoints": bench_keypoint_run, "drawing": bench_drawing,
-    "training": bench_image_training, "memory": bench_memory, "commands": bench_commands, "tests": bench_tests,
+    "training": bench_image_training, "commands": bench_commands, "memory": bench_memory, "tests": bench_tests,
 }
 DRAWN = ("drawing", "training", "memory")
 

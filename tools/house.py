@@ -57,13 +57,14 @@ def measure_room(name: str, paths: list[Path], test_lines: float) -> dict[str, f
     """One row: sizes, types and documentation of the files of a room."""
     texts = [path.read_text() for path in paths]
     lines = [len(text.splitlines()) for text in texts]
-    found = [function for text in texts for function in functions(ast.parse(text))]
+    trees = [ast.parse(text) for text in texts]
+    found = [function for tree in trees for function in functions(tree)]
     sizes = [function.end_lineno - function.lineno + 1 for function in found]
     arguments = [argument for function in found for argument in (*function.args.args, *function.args.kwonlyargs)
                  if argument.arg not in ("self", "cls")]
     public = [function for function in found if not function.name.startswith("_")]
     names = sum(isinstance(node, Function | ast.ClassDef) and not node.name.startswith("_")
-                for text in texts for node in ast.parse(text).body)
+                for tree in trees for node in tree.body)
     return {
         "room": name, "files": len(paths), "lines": sum(lines), "lines_a_name": round(sum(lines) / names),
         "file_median": median(lines), "file_max": max(lines),

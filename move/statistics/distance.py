@@ -39,6 +39,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from operator import attrgetter
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -154,15 +155,11 @@ def fit(tries: Tries) -> Curve:
         rng = np.random.default_rng(0)
         near, far = np.log(WIDE)
         others = [from_radii(np.exp(rng.uniform(near, far, len(typical)))) for _ in range(STARTS - 1)]
-        best = min([best, *others], key=_height)
+        best = min([best, *others], key=attrgetter("fun"))
         for _ in range(HOPS):
-            best = min(best, search(best.x + rng.standard_normal(len(best.x))), key=_height)
+            best = min(best, search(best.x + rng.standard_normal(len(best.x))), key=attrgetter("fun"))
     top, steepness, *radii = best.x
     return Curve(float(expit(top)), tuple(map(float, np.exp(radii))), float(np.exp(steepness)))
-
-
-def _height(found: OptimizeResult) -> float:
-    return found.fun
 
 
 def _nearest(apart: np.ndarray, radii: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -12,6 +12,7 @@ import hashlib
 import inspect
 import json
 from collections.abc import Mapping
+from dataclasses import astuple
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +24,6 @@ from move.figures.page.data import Data
 from move.figures.page.parameters import SHARED
 from move.files import written_aside
 from move.machine import gl_problem
-from move.statistics.training_noise import TrainingNoise
 from move.study.provenance import deciding
 from move.study.spec import RESULTS_VERSION
 
@@ -35,7 +35,7 @@ def keep(name: str, data: Data, chosen: Mapping[str, Any], answers: Mapping[str,
     if not getattr(load(name), "SIMULATES", False) or gl_problem():  # without GL there would be no images to keep
         return
     content = {"made_of": _made_of(name, data, chosen), "answers": dict(answers), "files": _files(name, data.folder),
-               "noises": {f"{seen} {grid}": _numbers(noise) for (seen, grid), noise in data.noises.items()}}
+               "noises": {f"{seen} {grid}": astuple(noise) for (seen, grid), noise in data.noises.items()}}
     with written_aside(data.folder / f"{name}.made.json") as new:
         new.write_text(json.dumps({**content, "digest": _of_json(content)}, indent=1, sort_keys=True) + "\n",
                        encoding="utf-8")
@@ -50,7 +50,7 @@ def answers(name: str, data: Data, chosen: Mapping[str, Any]) -> dict[str, str] 
         content = json.loads(record.read_text(encoding="utf-8"))
         whole = content.pop("digest") == _of_json(content) and content["files"] == _files(name, data.folder)
         same = content["made_of"] == _made_of(name, data, chosen) and all(
-            _numbers(data.noise(seen, grid == "True")) == noise
+            list(astuple(data.noise(seen, grid == "True"))) == noise
             for (seen, grid), noise in ((key.split(), noise) for key, noise in content.get("noises", {}).items()))
         return content["answers"] if whole and same else None
     except (OSError, ValueError, KeyError, TypeError, AttributeError):  # no such file, or not as `keep` writes it
@@ -79,10 +79,6 @@ def _made_of(name: str, data: Data, chosen: Mapping[str, Any]) -> str:
     parts = [inspect.getsource(load(name)), plain(own), sorted(result.spec.hash for result in data.results),
              policies if data.runs else [], versions, RESULTS_VERSION, data.profile.stamp]
     return _of_json(parts)
-
-
-def _numbers(noise: TrainingNoise) -> list[float]:
-    return [noise.variance, noise.degrees, noise.repeats]
 
 
 def _files(name: str, folder: Path) -> dict[str, str]:
