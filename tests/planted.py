@@ -36,8 +36,8 @@ from move.sim.grasp_points import CIRCLE
 from move.sim.motion.adc import JUMPS
 from move.sim.motion.wrappers import Motions, movable
 from move.sim.tasks import get_task
-from move.statistics import distance
-from move.statistics.distance import jackknife
+from move.statistics import distance, intervals
+from move.statistics.intervals import jackknife
 from move.study.labels import distinct
 from move.study.profiles import load_profile
 from move.study.provenance import DECIDING, version
@@ -385,7 +385,7 @@ class World:
             patch.setattr(coverage, "attempts", attempts)
             patch.setattr(style, "save", saved)
             patch.setattr(Made, "table", displayed)
-            patch.setattr(distance, "jackknife", in_four_parts)
+            patch.setattr(intervals, "jackknife", in_four_parts)
             patch.setattr(distance, "HOPS", 0)  # the fit has tests of its own
             patch.setattr(distance, "STARTS", 1)
             patch.setattr(gc, "collect", lambda *_: 0)  # statsmodels does after every adjustment, a second each time

@@ -7,16 +7,14 @@ import pytest
 from scipy.optimize import check_grad
 
 from move.statistics import distance
-from move.statistics.distance import (
-    Curve,
-    Tries,
+from move.statistics.distance import Curve, Tries, fit, held_out
+from move.statistics.intervals import jackknife
+from move.statistics.motion_is_coverage import (
     at_equal_distance,
     findings_on_grids,
     findings_over_tasks,
-    fit,
     gain_of_two,
-    held_out,
-    jackknife,
+    strata,
     verdict,
 )
 
@@ -132,7 +130,7 @@ def test_what_motion_brings_besides_distance_is_told_apart_from_distance():
     for lead in (0.0, 0.15):
         rows = simulated(rng, seeds=10, lead=lead, trainings=0.0)
         raw = rows.success[rows.move == 1].mean() - rows.success[rows.move == 0].mean()
-        equal = at_equal_distance(rows.success, rows.move, distance.strata(rows, TRUE))
+        equal = at_equal_distance(rows.success, rows.move, strata(rows, TRUE))
         assert raw > 0.25 and equal == pytest.approx(lead, abs=0.03)
     assert np.isnan(at_equal_distance(np.ones(2), np.array([0, 1]), np.array([0, 1])))
 

@@ -20,6 +20,7 @@ from move.paper import PAPER_METHODS
 from move.realworld import tracking, workspace
 from move.realworld.trials import comparisons, real_table
 from move.sim.collection import Collection
+from move.sim.tasks import get_task
 from move.statistics.places import next_places
 from move.study.profiles import load_profile
 
@@ -98,6 +99,17 @@ def test_figure_2_counts_demonstrations_and_the_cells_that_they_visit(tmp_path):
     assert f"MOVE's {move[0]}, static's {static[0]} and ADC's {adc[0]} demonstrations" in answer
     for place, part in enumerate(("object", "target", "camera"), 1):
         assert f"the {part}'s **{move[place]:.0%}**, {static[place]:.0%} and {adc[place]:.0%}" in answer
+    panels = fig2_overview.draw(tables, data, task="pick-place").axes[:3]
+    for ax, (name, (_, of_objects, of_targets, _)) in zip(panels, counted.items(), strict=True):
+        assert ax.get_title(loc="left").endswith(f" {style.NAMES[name]}")
+        assert [text.get_text() for text in ax.texts] == [
+            f"object {100 * of_objects:.0f} %", f"target {100 * of_targets:.0f} %"]
+        boxes = {"object": get_task("pick-place").object_range, "target": get_task("pick-place").target_range}
+        for line, frame, (part, box) in zip(ax.get_lines(), ax.patches, boxes.items(), strict=True):
+            assert np.array(frame.get_bbox()) == pytest.approx(100 * np.array([box.low[:2], box.high[:2]]))
+            assert line.get_color() == style.COLOURS[name]
+            assert np.array_equal(line.get_xydata(), 100 * places[name][[f"{part}_x", f"{part}_y"]])
+    plt.close("all")
 
 
 def test_every_shipped_file_of_a_figure_has_words():

@@ -47,9 +47,20 @@ def test_a_record_that_was_changed_is_none(shipped, change):
     assert answers() is None
 
 
-def test_a_figure_whose_own_file_was_changed_is_made_anew(shipped, monkeypatch):
-    monkeypatch.setattr(kept.inspect, "getsource", lambda module: "")
-    assert shipped[2]() is None
+@pytest.mark.parametrize("file", ["figures/{}.py", "figures/plots/film.py", "figures/plots/style.py"])
+def test_a_figure_is_made_anew_when_its_file_changed_or_one_that_it_draws_with(shipped, file, tmp_path, monkeypatch):
+    name, _, answers = shipped
+    shutil.copytree(paths.PACKAGE, tmp_path / "move", ignore=shutil.ignore_patterns("__pycache__"))
+    monkeypatch.setattr(kept, "PACKAGE", tmp_path / "move")
+    assert answers() is not None
+    with (tmp_path / "move" / file.format(name)).open("a") as changed:
+        changed.write("# something else")
+    assert answers() is None
+
+
+def test_the_radius_is_made_of_what_counts_fits_and_draws_it():
+    assert {"figures/radius.py", "figures/plots/distance.py", "statistics/distance.py", "figures/tables/__init__.py",
+            "study/seen.py", "sim/coverage.py"} <= set(kept.code("radius"))
 
 
 def test_a_figure_whose_intervals_rest_on_other_figures_runs_is_made_anew_when_these_tell_another_noise(

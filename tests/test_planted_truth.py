@@ -22,7 +22,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from matplotlib.axes import Axes
-from matplotlib.collections import PathCollection, QuadMesh
+from matplotlib.collections import FillBetweenPolyCollection, PathCollection, QuadMesh
 from matplotlib.colors import to_hex
 from matplotlib.container import ErrorbarContainer
 from matplotlib.lines import Line2D
@@ -39,7 +39,7 @@ from move.paper import PAPER, PAPER_TASKS
 from move.sim import coverage
 from move.sim.grasp_points import CIRCLE
 from move.sim.tasks import TASKS, get_task
-from move.statistics import distance, estimates, training_noise, verdicts
+from move.statistics import distance, estimates, motion_is_coverage, training_noise, verdicts
 from move.statistics.data_efficiency import data_efficiency
 from move.statistics.over_tasks import over_tasks
 
@@ -621,8 +621,17 @@ def test_success_by_distance_is_fitted_to_what_was_planted_and_each_cell_predict
     leads = leads.set_index("compared").difference
     whole = tries.success[tries.move == 1].mean() - tries.success[tries.move == 0].mean()
     assert leads["all places"] == pytest.approx(whole, abs=ROUNDED)
-    equal = distance.at_equal_distance(tries.success, tries.move, distance.strata(tries, curve))
+    equal = motion_is_coverage.at_equal_distance(tries.success, tries.move, motion_is_coverage.strata(tries, curve))
     assert leads["equal distance"] == pytest.approx(equal, abs=0.02)
+
+
+def test_success_by_distance_is_counted_in_centimetres_for_each_method(world):
+    rows_of(world, "radius_cells")
+    tries, binned = tried(world, "anywhere"), world.table("radius_distance")
+    assert set(binned.method) == {"static", "move"}
+    for row in binned.itertuples():
+        there = (tries.move == (row.method == "move")) & (np.floor(100 * tries.apart) == np.floor(row.distance))
+        assert row.episodes == there.sum() and row.value == pytest.approx(tries.success[there].mean(), abs=ROUNDED)
 
 
 def test_over_tasks_a_prediction_knows_nothing_of_its_own_task(world):
@@ -1058,7 +1067,16 @@ def test_cells_stand_over_their_prediction_and_leads_on_their_line(world):
                           for row in rows[rows.setting == setting].itertuples())
         for mark, wanted in zip(drawn(ax), expected, strict=True):
             assert mark[:4] == pytest.approx(wanted[:4], abs=ROUNDED) and mark[4] == wanted[4]
+        hollow = [place for bars in ax.containers if to_hex(bars[0].get_mfc()) == "#ffffff"
+                  for place in bars[0].get_xdata()]
+        from_keypoints = rows[(rows.setting == setting) & (rows.observation == "keypoints")]
+        assert sorted(hollow) == pytest.approx(sorted(from_keypoints.predicted), abs=ROUNDED) and hollow
+        (band,) = (part for part in ax.collections if isinstance(part, FillBetweenPolyCollection))
+        off = np.diff(band.get_paths()[0].vertices)
+        assert np.abs(off) == pytest.approx(0.08)
     (ax,) = panels(world, "radius", "MOVE minus")
+    (band,) = ax.patches
+    assert (band.get_x(), band.get_width()) == pytest.approx((-0.1, 0.2))
     leads = world.table("radius_leads")
     for compared, colour in (("all places", GREY), ("equal distance", "#000000")):
         marks = [mark for mark in drawn(ax, across=True) if mark[4] == colour]
@@ -1066,6 +1084,25 @@ def test_cells_stand_over_their_prediction_and_leads_on_their_line(world):
         assert [mark[1:4] for mark in marks] == [pytest.approx((row.difference, row.low, row.high), abs=ROUNDED)
                                                  for row in own.itertuples()]
         assert [tick(ax, mark[0], across=True).split(",")[0] for mark in marks] == own.setting.tolist()
+
+
+def test_success_falls_along_the_fitted_curve_and_half_of_it_is_left_at_the_radius(world):
+    rows_of(world, "radius_cells")
+    (ax,) = panels(world, "radius", "hand anywhere")
+    (row,) = world.table("radius_radii").query("setting == 'hand anywhere' and observation == 'rgb'").itertuples()
+    curve = next(line for line in ax.get_lines() if to_hex(line.get_color()) == "#000000")
+    x, y = curve.get_data()
+    assert y == pytest.approx(row.top / (1 + (x / 100 / row.radius) ** row.steepness), abs=3e-3)
+    (dashed,) = (line for line in ax.get_lines() if line.get_linestyle() == "--")
+    assert dashed.get_xdata()[0] == pytest.approx(100 * row.radius, abs=0.01)
+    (band,) = ax.patches
+    ends = band.get_x(), min(band.get_x() + band.get_width(), x[-1])
+    assert ends == pytest.approx((100 * row.low, min(100 * row.high, x[-1])), abs=0.01)
+    binned, marks = world.table("radius_distance"), drawn(ax)
+    assert len(marks) == len(binned)
+    for method, rows in binned.groupby("method"):
+        found = np.array([mark[:4] for mark in marks if mark[4] == COLOURS[method]])
+        assert found == pytest.approx(rows[["distance", "value", "low", "high"]].to_numpy(), abs=0.001)
 
 
 def test_costs_stand_over_their_method_one_bar_an_expert(world):
@@ -1098,6 +1135,8 @@ def test_a_waterfall_and_the_leads_beside_it_are_of_their_case(world, case):
     wanted |= {name: (0, value, COLOURS["static"]) for name, value in
                {**levels, "the paper": rows["the package's protocol"]["paper"]}.items()}
     assert set(bars) == set(wanted)
+    lighter = {name for name, bar in zip(bars, left.patches, strict=True) if bar.get_alpha() < 0.6}
+    assert lighter == {"more together than alone", "the paper"}  # as the caption says of the first
     for name, (start, width, colour) in wanted.items():
         assert bars[name] == (pytest.approx(start, abs=ROUNDED), pytest.approx(width, abs=2 * ROUNDED), colour), name
     ends = {tick(left, place, across=True): (low, high) for place, _, low, high, _ in drawn(left, across=True)}

@@ -10,9 +10,10 @@ import pytest
 
 from move import paths
 from move.errors import BadInput
-from move.figures.page import browser, captions, changes, data, kept
+from move.figures import load
+from move.figures.page import browser, captions, changes, data, kept, make
 from move.figures.page.kernels import of_profile
-from move.figures.page.parameters import specs
+from move.figures.page.parameters import call, specs
 from move.figures.plots import style
 from move.study.plan import plan_rows
 from move.study.profiles import load_profile
@@ -47,7 +48,13 @@ def nothing_computes(monkeypatch):
     def compute(*_):
         raise AssertionError("an untouched notebook computes runs")
 
+    def nothing_simulated(name, part, *given):
+        assert part != "seen" or not hasattr(load(name), "SIMULATES"), (
+            "made of other code or runs than is shipped: make the figure and look at it")
+        return call(name, part, *given)
+
     monkeypatch.setattr(data, "execute", compute)
+    monkeypatch.setattr(make, "call", nothing_simulated)
 
 
 @pytest.fixture

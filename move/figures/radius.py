@@ -1,6 +1,6 @@
 """When does motion pay? Success against the distance to what training saw, and whether motion does more than cover.
 
-The rule for "motion is coverage" is in `move.statistics.distance`.
+The rule is `move.statistics.motion_is_coverage`.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from move.figures.plots.style import PAGE_WIDTH, titles
 from move.figures.tables import controls, points, rate_table
 from move.paper import PAPER_METHODS, PAPER_TASKS
 from move.sim.tasks import TASKS
-from move.statistics import distance
+from move.statistics import distance, intervals, motion_is_coverage
 from move.statistics.distance import Curve, HeldOut, Tries
 from move.study.axes import budgets
 from move.study.kinds import control_run, policy_run
@@ -132,16 +132,16 @@ def tables(data: Data) -> dict[str, pd.DataFrame]:
     lacking = {(_setting(run.labels), run.spec.observation) for run in data.runs if run.spec in missing}
     for (setting, observation), found in data.seen.items():
         named = {"setting": setting, "observation": observation}
-        asked = (distance.findings_on_grids(found.tries) if found.on_grids else
-                 distance.findings_over_tasks(found.tries, found.held_out, found.curve))
-        verdict = INCOMPLETE if (setting, observation) in lacking else distance.verdict(asked)
+        asked = (motion_is_coverage.findings_on_grids(found.tries) if found.on_grids else
+                 motion_is_coverage.findings_over_tasks(found.tries, found.held_out, found.curve))
+        verdict = INCOMPLETE if (setting, observation) in lacking else motion_is_coverage.verdict(asked)
         findings += [{**named, "finding": one.what, "estimate": one.value, "low": one.low, "high": one.high,
                       "limit": one.below, "answer": one.answer, "verdict": verdict} for one in asked]
         radii += [{**named, **row} for row in _radii(found)]
         cells.append(_cells(data, found).assign(**named))
         ranks += [{**named, **row} for row in _ranks(cells[-1], found.on_grids)]
-        equal = next(one for one in asked if one.what == distance.EQUAL)
-        for compared, (value, low, high) in (("all places", distance.lead(found.tries)),
+        equal = next(one for one in asked if one.what == motion_is_coverage.EQUAL)
+        for compared, (value, low, high) in (("all places", motion_is_coverage.lead(found.tries)),
                                              ("equal distance", (equal.value, equal.low, equal.high))):
             leads.append({**named, "compared": compared, "difference": value, "low": low, "high": high})
     order = ["setting", "observation"]
@@ -162,7 +162,7 @@ def _radii(found: Tried) -> list[dict[str, Any]]:
     from move.study.seen import FACTORS
 
     labels, curve = found.tries.run if found.on_grids else found.tries.group, found.curve
-    _, low, high = distance.jackknife(labels, lambda mask: np.log(distance.fit(found.tries.where(mask)).radii))
+    _, low, high = intervals.jackknife(labels, lambda mask: np.log(distance.fit(found.tries.where(mask)).radii))
     farthest = found.tries.apart.max() if found.on_grids else np.nan
     units = {"object": "m", "target": "m", "hand": "m"}
     radii, low, high = (np.where(np.asarray(ends) > NOWHERE, np.inf, ends) for ends in (
@@ -203,7 +203,7 @@ def _ranks(cells: pd.DataFrame, on_grids: bool) -> list[dict[str, Any]]:
     """
     rows, left_out = [], cells.index.to_numpy() if on_grids else cells["where"].to_numpy()
     for score, column in (("distance to what was seen", "predicted"), ("spread of places", "spread")):
-        value, low, high = map(float, distance.jackknife(left_out, partial(_correlation, cells, column)))
+        value, low, high = map(float, intervals.jackknife(left_out, partial(_correlation, cells, column)))
         rows.append({"score": score, "correlation": value, "low": max(low, -1.0), "high": min(high, 1.0),
                      "cells": len(cells)})
     return rows
@@ -223,7 +223,7 @@ def _bins(found: Tried | None) -> pd.DataFrame:
         for each in np.unique(binned):
             tries = own.where(binned == each)
             if len(tries.success) >= 50 and len(np.unique(tries.run)) > 1:
-                value, low, high = map(float, distance.jackknife(tries.run, partial(_rate, tries.success)))
+                value, low, high = map(float, intervals.jackknife(tries.run, partial(_rate, tries.success)))
                 rows.append({"method": method, "distance": 100 * tries.apart.mean(), "value": value,
                              "low": max(low, 0.0), "high": min(high, 1.0), "episodes": len(tries.success)})
     return pd.DataFrame(rows, columns=["method", "distance", "value", "low", "high", "episodes"])
@@ -248,11 +248,11 @@ def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:
         plots.fitted(row.top, 100 * row.radius, row.steepness, (100 * row.low, 100 * row.high), axes[0, 0])
     for ax, rows in zip(axes.flat[1:3], parts[1:3], strict=True):
         if len(rows):
-            plots.predicted(rows, distance.LARGEST_ERROR, ax)
+            plots.predicted(rows, motion_is_coverage.LARGEST_ERROR, ax)
     if len(leads):
         each = leads[["setting", "observation"]].drop_duplicates()
         plots.leads(leads, [f"{setting},\n{SEEN[seen]}" for setting, seen in each.itertuples(index=False)],
-                    distance.SAME, axes[1, 1])
+                    motion_is_coverage.SAME, axes[1, 1])
         axes[1, 1].legend(loc="lower right")
     titles(list(axes.flat), ["hand anywhere, from pixels", "figures 1, 3 and 5, each cell from the others",
                              "ten tasks, each from the others", "MOVE minus static"])

@@ -1,15 +1,15 @@
 """Figures that simulate are made once: what was shipped is shown as long as it is made of the same things.
 
-Next to such a figure `NAME.made.json` says what it was made of (its own file, its parameters, its runs, the policies
-that are there, the versions of what decides; and how much trainings differ, which other figures' runs tell), its
-answer, the sha256 of each of its files, and a digest of all that. A figure whose file says `SIMULATES = True` is made
-anew only if one of these differs.
+Next to such a figure `NAME.made.json` says what it was made of (its own file and what it draws and counts with, its
+parameters, its runs, the policies that are there, the versions of what decides; and how much trainings differ, which
+other figures' runs tell), its answer, the sha256 of each of its files, and a digest of all that. A figure whose file
+says `SIMULATES = True` is made anew only if one of these differs.
 """
 
 from __future__ import annotations
 
+import ast
 import hashlib
-import inspect
 import json
 from collections.abc import Mapping
 from dataclasses import astuple
@@ -24,8 +24,12 @@ from move.figures.page.data import Data
 from move.figures.page.parameters import SHARED
 from move.files import written_aside
 from move.machine import gl_problem
+from move.paths import PACKAGE
 from move.study.provenance import deciding
 from move.study.spec import RESULTS_VERSION
+
+COUNTED_WITH = ("figures/plots", "figures/tables", "statistics", "study/seen", "sim/coverage")
+"""What makes a figure of what was simulated; simulating itself is held by the tests of its numbers."""
 
 WRITTEN = (".png", ".pdf", ".mp4", ".webp", ".md", ".csv", ".tex")  # in the order in which they are listed
 
@@ -71,12 +75,35 @@ def files_of(name: str, folder: Path) -> list[Path]:
     return sorted(found, key=lambda path: ([*WRITTEN, path.suffix].index(path.suffix), path.name))
 
 
+def code(name: str) -> dict[str, str]:
+    """The text of a figure's file and of the files of `COUNTED_WITH` that it imports, or that these import; by path."""
+    texts: dict[str, str] = {}
+    left = [f"figures/{name}.py"]
+    while left:
+        path = left.pop()
+        if path not in texts:
+            texts[path] = (PACKAGE / path).read_text(encoding="utf-8")
+            left += _imported(texts[path])
+    return texts
+
+
+def _imported(text: str) -> list[str]:
+    """The files of `COUNTED_WITH` that a text imports, wherever in it; a name that is imported may be a module."""
+    modules: list[str] = []
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.ImportFrom) and node.module:
+            module = node.module.removeprefix("move.").replace(".", "/")
+            modules += [module, *(f"{module}/{name.name}" for name in node.names)]
+    paths = (path for module in modules for path in (f"{module}.py", f"{module}/__init__.py"))
+    return [path for path in paths if path.startswith(COUNTED_WITH) and (PACKAGE / path).exists()]
+
+
 def _made_of(name: str, data: Data, chosen: Mapping[str, Any]) -> str:
     versions = {package: version for package, version in deciding().items() if package != "source"}
     policies = sorted(path.name for path in (data.profile.results / "policies").glob("*"))
     usual = {key: default for key, (_, default) in SHARED.items()}
     own = {key: value for key, value in chosen.items() if key not in usual or value != usual[key]}
-    parts = [inspect.getsource(load(name)), plain(own), sorted(result.spec.hash for result in data.results),
+    parts = [code(name), plain(own), sorted(result.spec.hash for result in data.results),
              policies if data.runs else [], versions, RESULTS_VERSION, data.profile.stamp]
     return _of_json(parts)
 
