@@ -44,7 +44,8 @@ def first_problem(error: ValidationError, whole: str = "settings") -> str:
     where = " ".join(".".join(str(part) for part in first["loc"]).split()) or whole
     given = first.get("input")
     shown = "" if isinstance(given, dict | list | BaseModel) else f"{_cut(repr(given))} given; "
-    return f"{where}: {shown}{first['msg'].removeprefix('Value error, ').lower()}"
+    told = first["msg"].removeprefix("Value error, ").lower().replace("a valid tuple", "a list, in brackets")
+    return f"{where}: {shown}{told}"
 
 
 def _cut(text: str) -> str:

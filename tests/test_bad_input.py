@@ -234,6 +234,7 @@ def test_a_profile_that_is_none_is_one_line(capsys, here, profile_file, content)
 
 VALUES = [
     ("fig1", "timesteps=abc", "timesteps: 'abc' given; input should be a valid integer"),
+    ("few_demonstrations", "timesteps=7000", "timesteps: 7000 given; input should be a list, in brackets"),
     ("fig1", "timesteps=true", "timesteps: True given"),
     ("fig1", "timesteps=null", "timesteps: None given"),
     ("fig1", "timesteps=03500", "write the number as 3500"),

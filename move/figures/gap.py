@@ -314,7 +314,7 @@ def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
     for case, group in tables[""][tables[""].method == "static"].groupby("case", sort=False):
         level, theirs = group.set_index("setting").value, group.paper.iloc[0]
         if PACKAGE not in level:
-            said.append(f"{case}: not computed yet")
+            said.append(f"{case}: {PACKAGE} not computed yet")
             continue
         left = f", with all settings {level[TOGETHER]:.0%}" if TOGETHER in level else ""
         said.append(f"{case}: static {level[PACKAGE]:.0%} here{left}, {theirs:.0%} in the paper")
