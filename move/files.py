@@ -41,6 +41,17 @@ def refuse_unwritable(path: Path) -> None:
         raise _cannot_write(path, error) from error
 
 
+def refuse_folder(path: Path) -> None:
+    """`refuse_unwritable`, and refuse a place for a file where a folder is.
+
+    Raises:
+        BadInput: a folder is there, or nothing can be written there.
+    """
+    refuse_unwritable(path)
+    if path.is_dir():
+        raise BadInput(f"{path} is a folder; allowed is the path of a file")
+
+
 def refuse_existing(path: Path) -> None:
     """`refuse_unwritable`, and refuse a place where anything is.
 
@@ -50,25 +61,25 @@ def refuse_existing(path: Path) -> None:
     refuse_unwritable(path)
     put_away_remains(path)
     if os.path.lexists(path):
-        raise BadInput(f"{path} exists; allowed is a new folder")
+        raise BadInput(f"{path} exists; allowed is a new folder or file")
 
 
 @contextmanager
 def written_aside(path: Path) -> Iterator[Path]:
     """A place next to `path`, renamed to `path` once all is written there; of what fails nothing stays.
 
-    A file at `path` is replaced in one step. A folder there is deleted once the new one is in its place: the caller
-    has made sure that it may be.
+    A file at `path` is replaced in one step. A folder there is deleted once a new folder is in its place: the caller
+    has made sure that it may be. A file takes no folder's place.
 
     Raises:
-        BadInput: it cannot be written, as on a full disk.
+        BadInput: it cannot be written, as on a full disk, or it is a file and a folder is there.
     """
     new, old = _aside(path, "part"), _aside(path, "old")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         put_away_remains(path)
         yield new
-        if path.is_dir():
+        if path.is_dir() and new.is_dir():
             os.replace(path, old)
         os.replace(new, path)
     except OSError as error:

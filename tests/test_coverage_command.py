@@ -8,11 +8,13 @@ import real_writers as w
 from shared import move
 
 from move.errors import BadInput
+from move.exchange import export as exporting
 from move.learn import dataset
 from move.realworld import open_dataset, write_sample
 from move.realworld.grasps import grasp_table, grasps, why_no_grasps
 from move.realworld.workspace import path_table
 from move.sim import collect as collecting
+from move.sim.placement import Placement
 from move.statistics import places as p
 from move.statistics.distance import Curve
 
@@ -102,8 +104,10 @@ def test_what_places_rest_on_is_said(tmp_path, capsys):
     code, out, _ = move(capsys, "coverage", str(tmp_path / "twice"), "--json", "--within", "-20,-20,80,80")
     assert code == 0 and json.loads(out)["doubts"] == doubts["twice"]
     assert json.loads(out)["part of the table (cm)"] == "-20.0, -20.0, 80.0, 80.0"
-    _, out, _ = move(capsys, "coverage", str(tmp_path / "two"), "--json")
-    assert "around these grasps; --within" in json.loads(out)["part of the table (cm)"]
+    assert all("positions up to " in line and "taken for m by their size" in line for line in doubts.values())
+    assert all("an object that moved before its grasp was seen at more places" in line for line in doubts.values())
+    code, _, err = move(capsys, "coverage", str(tmp_path / "two"), "--json")
+    assert code == 2 and "all grasps are at one place or on one line" in err
 
 
 def test_demonstrations_that_no_budget_cuts_all_have_their_grasps_and_a_cut_one_alone_has_none(tmp_path):
@@ -134,13 +138,58 @@ def test_a_data_set_collected_here_is_covered_by_its_own_grasp_points(tmp_path, 
     assert (tmp_path / "map.png").stat().st_size > 5000 and (tmp_path / "map.pdf").exists()
     code, out, _ = move(capsys, "coverage", str(tmp_path / "data.zarr"), "--json", "--radius", "1000")
     assert json.loads(out)["success over this part, of that at a place seen (%)"] == "100"
+    assert "around these grasps; --within" in json.loads(out)["part of the table (cm)"]
+
+
+def test_where_the_object_moved_before_its_grasps_its_whole_way_was_seen(tmp_path, capsys):
+    """Five places under MOVE are worth many more; the episodes that an export leaves out are not counted."""
+    said = {}
+    for method in ("static", "move"):
+        wanted = collecting.Collection(task="pick-place", method=method, timesteps=1000, demonstrations=10,
+                                       protocol="placed", placement=Placement(places=5))
+        made, record = collecting.collect(wanted, 3)
+        dataset.save(made, tmp_path / method, collecting.record_attributes(wanted, 3, record))
+        _, out, _ = move(capsys, "coverage", str(tmp_path / method), "--json", "--within", "-20,50,10,80")
+        said[method] = json.loads(out)
+        ways = [where.object_position[:2] for phase, where in record.seen if phase == "pick"]
+        assert len(ways) > 100 and p.nearest(np.array(ways), grasps(str(tmp_path / method)).seen).max() < 1e-6
+    hole, success = ("largest hole, to the nearest place seen (cm)",
+                       "success over this part, of that at a place seen (%)")
+    assert said["static"]["places"] == said["move"]["places"] == "5 places x 2"
+    assert said["move"][hole] < said["static"][hole] - 2
+    assert int(said["move"][success].split()[0]) > int(said["static"][success].split()[0]) + 20
+
+
+def test_what_an_export_left_out_is_not_counted(tmp_path):
+    wanted = collecting.Collection(task="pick-place", method="static", timesteps=400)
+    made, record = collecting.collect(wanted, 3)
+    dataset.save(made, tmp_path / "data", collecting.record_attributes(wanted, 3, record))
+    exporting.export(tmp_path / "data", tmp_path / "whole", "zarr", whole_episodes=True)
+    found = grasps(str(tmp_path / "whole"))
+    assert len(found.places) == record.demonstrations - 1 and found.without == ()
+    assert found.origin == f"simulation, {record.demonstrations - 1} demonstrations"
+
+
+def test_places_on_one_line_span_no_part_of_a_table():
+    line = np.linspace((0.1, 0.0), (0.3, 0.2), 9) + np.random.default_rng(0).uniform(-0.003, 0.003, (9, 2))
+    assert p.spanned(line) is None and p.spanned(shaken(np.array([[0.1, 0.2]]), 9)) is None
+    assert p.spanned(np.vstack([line, [[0.3, 0.0]]])) is not None and p.inside(line, ((0.0, -0.1), (0.19, 0.3))) == 4
 
 
 @pytest.mark.parametrize(("arguments", "problem"), [
     (("nowhere",), "data 'nowhere' is no folder"),
     (("nowhere", "--within", "1,2,3"), "within: '1,2,3' given"),
     (("nowhere", "--out", "map.jpg"), "out: 'map.jpg' given; allowed is a file that ends in .png"),
+    (("nowhere", "--out", "{}/folder.png"), "folder.png is a folder; allowed is the path of a file"),
+    (("nowhere", "--out", "{}/other.png"), "other.pdf is a folder; allowed is the path of a file"),
+    (("{}/data", "--within", "0,0,1,1"), "within: '0,0,1,1' given, where none of the "),
+    (("{}/data", "--units-file", "u.yaml"), "units_file: 'u.yaml' given; "),
 ])
-def test_a_bad_request_is_one_line(capsys, arguments, problem):
-    code, _, err = move(capsys, "coverage", *arguments)
+def test_a_bad_request_is_one_line(tmp_path, capsys, arguments, problem):
+    for name in ("folder.png", "other.pdf"):
+        (tmp_path / name).mkdir()
+    wanted = collecting.Collection(task="pick-place", method="static", timesteps=200)
+    made, record = collecting.collect(wanted, 3)
+    dataset.save(made, tmp_path / "data", collecting.record_attributes(wanted, 3, record))
+    code, _, err = move(capsys, "coverage", *(each.format(tmp_path) for each in arguments))
     assert code == 2 and problem in err and len(err.strip().splitlines()) == 1

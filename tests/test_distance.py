@@ -81,7 +81,7 @@ def test_many_searches_find_a_likelihood_that_one_does_not(monkeypatch):
     one = replace(one, success=rng.random(400) < truth.chance(one))
 
     def likelihood(curve: Curve) -> float:
-        return float(distance._log_likelihood(one.success, curve.chance(one)).sum())
+        return float(distance.log_likelihood(one.success, curve.chance(one)).sum())
 
     few = likelihood(distance.fit(one))
     monkeypatch.setattr(distance, "STARTS", 4)

@@ -134,7 +134,8 @@ def test_a_card_names_nothing_that_it_does_not_know(tmp_path):
     odd = {"collection": {"task": "[a](javascript:b)", "method": "<img src=x>"}}
     info = {"total_frames": 20_000, "total_episodes": 9, "fps": 80, "features": {}}
     text = card.dataset_card(info, odd)
-    assert "javascript" not in text and "<img" not in text
+    assert "javascript" not in text and "<img" not in text and "Sawyer" not in text and "No real robot" not in text
+    assert DatasetCard(text).data.to_dict()["tags"] == ["LeRobot"] and "say here who or what demonstrated" in text
     assert DatasetCard(text).data.to_dict()["size_categories"] == ["10K<n<100K"]
 
 

@@ -121,3 +121,14 @@ def test_a_place_below_a_file_is_refused_and_one_below_missing_folders_is_not(tm
     assert names(tmp_path) == ["file"]
     with pytest.raises(BadInput, match="file exists; allowed is a new folder"):
         files.refuse_existing(tmp_path / "file")
+
+
+def test_a_file_takes_no_folders_place(tmp_path):
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "thesis.tex").write_text("all of it")
+    with pytest.raises(BadInput, match="mine is a folder; allowed is the path of a file"):
+        files.refuse_folder(tmp_path / "mine")
+    with pytest.raises(BadInput, match="cannot write .*mine"), files.written_aside(tmp_path / "mine") as new:
+        new.write_text("a table")
+    assert [path.name for path in tmp_path.rglob("*")] == ["mine", "thesis.tex"]
+    assert (tmp_path / "mine" / "thesis.tex").read_text() == "all of it"

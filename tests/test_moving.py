@@ -240,15 +240,45 @@ def test_lifting_ends_the_pick_phase_and_so_does_a_touch(phase, height):
     ({"clearance": -0.1}, "clearance: -0.1 given; input should be greater"),
     ({"object_steps": 0}, "object_steps: 0 given"),
     ({"camera_range": (0.1, 0.2), "camera": "front"}, "camera_range: .* at most 0 and at least 0"),
-    ({"yaw_range": 1.0}, "yaw_range: 1.0 given; allowed are two numbers"),
+    ({"yaw_range": 1.0}, "yaw_range: 1.0 given; allowed are two finite numbers"),
     ({"object_sped": 0.1}, "moving: 'object_sped' given; allowed are object_speed"),
     ({"object_speed": -1.0}, "object_speed: -1.0 given"),
     ({"camera_speed": 0.1}, "camera_speed: given, and no camera moves; allowed with camera"),
     ({"yaw_speed": 0.1}, "yaw_speed: given, and no rotation moves; allowed with yaw_range"),
+    ({"object_speed": math.inf}, "object_speed: inf given; input should be a finite number"),
+    ({"camera": "front", "camera_around": (math.nan, 0.0)}, "camera_around: .* allowed are two finite numbers"),
+    ({"phase": 3}, "phase: 3 given; allowed is a function of the scene"),
+    ({"target": "body:cube", "target_within": RANGE}, "target: 'body:cube' given, which is the object's own body"),
+    ({"target": "puck", "target_within": RANGE, "clearance": 5.0}, "clearance: 5 given; .* never more than 0.84"),
 ])
 def test_a_choice_without_sense_is_one_clear_line(chosen, message):
     with refused(message):
         around(**chosen)
+
+
+SLIDES = '<joint name="x" type="slide" axis="1 0 0"/><joint name="y" type="slide" axis="0 1 0"/>'
+
+
+@pytest.mark.parametrize(("joints", "message"), [
+    (SLIDES, ""), (SLIDES.replace("/>", ' range="-.4 .4"/>'), ""), (SLIDES + '<joint type="hinge"/>', ""),
+    (SLIDES.replace("/>", ' range="-.1 .4"/>'), "'lid' is to slide from -0.3.* its joint 'x' allows -0.1.* to 0.4"),
+    ('<joint type="hinge" axis="0 0 1"/>' + SLIDES, "'lid' given, which a joint turns before others slide it"),
+    (SLIDES + '<joint type="hinge" pos=".1 0 0"/>', "about another point than its own"),
+])
+def test_a_sliding_body_stays_within_its_joints_limits_and_goes_where_it_is_put(monkeypatch, joints, message):
+    body = f'<body name="lid" pos="0 0 .2">{joints}<geom type="sphere" size=".01"/></body>'
+    monkeypatch.setattr("test_moving.MODEL", MODEL.replace("<worldbody>", f"<worldbody>{body}"))
+    if message:
+        with refused(message):
+            around(object="lid")
+        return
+    env = around(object="lid", object_speed=0.05)
+    env.reset(seed=0)
+    scene = scene_of(env)
+    for _ in range(10):
+        env.step(np.zeros(1, np.float32))
+        assert scene.point("lid")[:2] == pytest.approx(scene.configuration.object_position[:2], abs=2e-3)
+    assert math.dist(scene.point("lid")[:2], (0, 0)) > 0.02
 
 
 def test_what_cannot_be_moved_is_one_clear_line():
@@ -298,14 +328,21 @@ def test_a_metaworld_task_outside_the_ten_moves_with_its_goal():
 
 @pytest.mark.filterwarnings("ignore")
 def test_the_how_to_pages_lines_collect_and_export(tmp_path, monkeypatch):
-    """With an expert that does nothing and an environment that judges nothing: whole episodes, all kept."""
+    """With an expert that does nothing, in an environment that says it succeeded: whole episodes, all kept."""
     page = (paths.ROOT / "docs/how-to/put_your_own_scene_in_motion.md").read_text(encoding="utf-8")
     lines = re.findall(r"```python\n(.*?)```", page, flags=re.S)[-1]
     monkeypatch.chdir(tmp_path)
     Path("build").mkdir()
-    env = around(gymnasium.make("Pusher-v5"), object="object", within=((0.1, -0.6), (0.8, 0.3)))
-    exec(lines, {"env": env, "attempts": 2, "expert": lambda seen, phase: np.zeros(7), "gymnasium": gymnasium,
-                 "np": np, "Path": Path, "Demonstrations": Demonstrations, "dataset": dataset, "export": export})
+
+    class Content(gymnasium.Wrapper):
+        def step(self, action):
+            *rest, info = self.env.step(action)
+            return *rest, {**info, "is_success": True}
+
+    env = around(Content(gymnasium.make("Pusher-v5")), object="object", within=((0.1, -0.6), (0.8, 0.3)))
+    exec(lines.replace("range(50)", "range(2)"), {
+        "env": env, "expert": lambda seen, phase: np.zeros(7), "gymnasium": gymnasium, "np": np, "Path": Path,
+        "Demonstrations": Demonstrations, "dataset": dataset, "export": export})
     demonstrations, _ = dataset.load(tmp_path / "build/mine.zarr")
     assert demonstrations.lengths.tolist() == [100, 100] and demonstrations.observations.shape == (200, 23)
     puck = demonstrations.observations[:100, 17:19]  # x and y

@@ -1,6 +1,7 @@
 """Places of demonstrations: how rules spread them, that demonstrations grasp there, and the sheet for a real table."""
 
 import csv
+import json
 import math
 
 import numpy as np
@@ -83,7 +84,7 @@ def test_a_sheet_says_where_from_and_how_the_object_comes_to_its_place():
         angle, place = math.radians(row["direction"]), listed[number % 7]
         there = equations.translate((row["start_x"], row["start_y"], 0.0), (
             row["speed"] * math.cos(angle), row["speed"] * math.sin(angle), 0.0), 4.0, box)
-        assert math.dist(there[:2], place[:2]) < 0.5, "to whole degrees and a tenth of a millimetre"
+        assert math.dist(there[:2], place[:2]) < 0.06 and row["seconds"] == 4.0, "a tenth of a degree"
         assert math.dist((row["x"], row["y"]), place[:2]) < 0.01 and 0 < row["speed"] <= 8
     assert set(sheet(Placement(places=7), box, 2, 1)[0]) == {"demonstration", "x", "y"}
 
@@ -96,3 +97,18 @@ def test_the_sheet_is_written_as_csv_and_bad_corners_are_refused(tmp_path, capsy
         assert code == 2 and "allowed are the low and the high corner in cm" in err
     rows = list(csv.DictReader(out.open()))
     assert len(rows) == 9 and rows[0]["x (cm)"] == rows[5]["x (cm)"] and list(rows[0])[1:] == ["x (cm)", "y (cm)"]
+
+
+def test_a_sheet_has_each_place_once_and_replaces_nothing(tmp_path, capsys):
+    code, out, _ = move(capsys, "placements", "--places", "80", "--speed", "3", "--json")
+    assert code == 0 and len(json.loads(out)) == 80 and {row["seconds"] for row in json.loads(out)} == {3.0}
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "folder" / "thesis.tex").write_text("mine")
+    (tmp_path / "sheet.csv").write_text("with notes by hand")
+    for name in ("folder", "sheet.csv"):
+        code, _, err = move(capsys, "placements", "--out", str(tmp_path / name))
+        assert code == 2 and f"{name} exists" in err
+    assert (tmp_path / "folder" / "thesis.tex").read_text() == "mine"
+    assert (tmp_path / "sheet.csv").read_text() == "with notes by hand"
+    code, _, err = move(capsys, "placements", "--seconds", "5")
+    assert code == 2 and "seconds: 5 given, and nothing moves; allowed with --speed" in err

@@ -247,3 +247,6 @@ def test_missing_runs_are_named_a_few_and_the_bad_ones_first():
     words = results.missing_in_words(missing, shown=2)
     assert words == f"{tiny_run(9).label} (result x is not usable: y), {tiny_run(0).label}, 3 more"
     assert results.missing_in_words(missing[:1]) == tiny_run(0).label
+    other_evaluation = tiny_run(0).model_copy(update={"evaluation": Evaluation(episodes=7)})
+    twice = [*missing[:1], (other_evaluation, results.NOT_COMPUTED)]
+    assert results.missing_in_words(twice) == f"2 x {tiny_run(0).label}"

@@ -15,7 +15,7 @@ from move.choices import Control, ExpertName, ExportFormat, Factors, PlacementRu
 from move.cli.options import ClipActions, Json, MethodName, ProfileName, Seed, TaskName, app, examples
 from move.cli.output import progress, show, show_paths
 from move.errors import BadInput
-from move.files import refuse_unwritable
+from move.files import refuse_existing, refuse_unwritable
 from move.sim.configuration import Box
 from move.sim.observe import IMAGE_SIZE, ObservationKind, ObservationSpec
 
@@ -70,8 +70,9 @@ def collect(
         raise BadInput(f"factors: {factors!r} given with protocol {protocol!r}, which prescribes where all begins but "
                        "the object; allowed is object")
     if (places is None) == (protocol == "placed"):
-        raise BadInput(f"places: {places or 'none'} given with protocol {protocol!r}; allowed are 1 or more with "
-                       "'placed', and with it alone")
+        given = "none" if places is None else places
+        raise BadInput(f"places: {given} given with protocol {protocol!r}; allowed are 1 or more with 'placed', and "
+                       "with it alone")
     placed = {"rule": placement, "places": places} if places is not None else None
     chosen = build(collecting.Collection, task=task, method=method, timesteps=timesteps, observation=observation,
                    image_size=IMAGE_SIZE if image_size is None else image_size,
@@ -114,24 +115,35 @@ def placements(
     places: Annotated[int, typer.Option(min=1, max=10_000, help="how many places there are")] = 50,
     rule: Annotated[PlacementRule, typer.Option(help="how they are chosen")] = "jittered",
     within: Annotated[str, typer.Option(help="corners of the table's part: x,y,x,y in cm")] = "0,0,30,30",
-    demonstrations: Annotated[int, typer.Option(min=1, max=10_000, help="rows; places are taken again in order")] = 50,
+    demonstrations: Annotated[Optional[int], typer.Option(
+        min=1, max=10_000, help="rows; places are taken again in order (default: each place once)")] = None,
     speed: Annotated[float, typer.Option(min=0, max=100, help="of MOVE, the largest, cm per second; 0: static")] = 0.0,
-    seconds: Annotated[float, typer.Option(min=0.1, max=60, help="how long MOVE's object moves to its place")] = 3.0,
+    seconds: Annotated[Optional[float], typer.Option(
+        min=0.1, max=60, help="how long MOVE's object moves to its place (default: 3)")] = None,
     seed: Seed = 0,
     out: Annotated[Optional[Path], typer.Option(help="CSV file to write instead")] = None,
     as_json: Json = False,
 ) -> None:
-    """A sheet for a real table: where to put the object for each demonstration, in order; for MOVE, how it moves."""
+    """A sheet for a real table: where to put the object for each demonstration, in order; for MOVE, how it moves.
+
+    MOVE's object starts at its start, moves at its speed in its direction (from x towards y) for so many seconds, turns
+    back where it meets a side of the table's part, and is then at x, y.
+    """
     from move.files import written_aside
     from move.sim.placement import Placement, sheet
 
-    rows = sheet(Placement(rule=rule, places=places), rectangle(within), seed, demonstrations, speed, seconds)
+    if seconds is not None and not speed:
+        raise BadInput(f"seconds: {seconds:g} given, and nothing moves; allowed with --speed")
+    if out is not None:
+        refuse_existing(out)
+    rows = sheet(Placement(rule=rule, places=places), rectangle(within), seed, demonstrations or places, speed,
+                 seconds or 3.0)
     units = {"x": "x (cm)", "y": "y (cm)", "start_x": "start x (cm)", "start_y": "start y (cm)",
-             "direction": "direction (deg)", "speed": "speed (cm/s)"}
+             "direction": "direction (deg from x to y)", "speed": "speed (cm/s)", "seconds": "for (s)"}
     shown = [{units.get(name, name): value for name, value in row.items()} for row in rows]
     if out is None:
-        return show(rows if as_json else shown, as_json, f"Placements: {rule}, {places} places, seed {seed}")
-    refuse_unwritable(out)
+        return show(rows if as_json else shown, as_json,
+                    f"Placements: {rule}, {places} places within {within} cm, seed {seed}")
     import pandas as pd
 
     with written_aside(out) as beside:

@@ -14,7 +14,7 @@ from move.cli.by_hand import rectangle
 from move.cli.options import Json, app, examples
 from move.cli.output import show, show_paths
 from move.errors import BadInput
-from move.files import refuse_unwritable
+from move.files import refuse_folder
 
 
 @app.command(epilog=examples("move coverage build/data/NAME.zarr", "move coverage ~/lerobot/pick --radius 6 --next 20",
@@ -31,19 +31,25 @@ def coverage(
     out: Annotated[Optional[Path], typer.Option(help="PNG file for a map; a PDF comes next to it")] = None,
     as_json: Json = False,
 ) -> None:
-    """Say where demonstrations grasp, which places they repeat, which holes they leave, and what to add."""
+    """Say where demonstrations grasp, which places they repeat, which holes they leave, and what to add.
+
+    Success is what distance to the nearest place seen says, for Pick-Place from pixels in simulation unless --radius is
+    given; where the object's way before the grasps is known (`move collect`), its places are seen, too. Places in
+    effect: so many far apart would teach as much.
+    """
     paths.refuse_outside_checkout()
     box = rectangle(within) if within is not None else None
     if out is not None:
         if out.suffix != ".png":
             raise BadInput(f"out: {str(out)!r} given; allowed is a file that ends in .png")
-        refuse_unwritable(out)
+        refuse_folder(out)
+        refuse_folder(out.with_suffix(".pdf"))
     from move.figures.radius import AT_HOME, measured
     from move.realworld.grasps import grasps
     from move.statistics import places as statistics
 
     found, curves = grasps(data, units_file=units_file), measured(AT_HOME)
-    known = f"{_interval([100 * curve.radii[0] for curve in curves], 1)}, measured in simulation"
+    known = f"{_interval([100 * curve.radii[0] for curve in curves], 1)}, Pick-Place's in simulation, {AT_HOME}"
     if radius is not None:
         curves, known = [replace(curves[0], radii=(radius / 100,))], f"{radius:g}, given"
     table = statistics.spanned(found.places) if box is None else (
@@ -51,16 +57,21 @@ def coverage(
     if table is None:
         raise BadInput(f"{data}: all grasps are at one place or on one line, which is no part of a table; allowed: "
                        "--within x,y,x,y")
-    new, holes = statistics.next_places(found.places, table, coming)
-    expected = [100 * statistics.expected_success(found.places, table, curve) / curve.top for curve in curves]
+    inside = statistics.inside(found.places, table)
+    if not inside:
+        low, high = 100 * found.places.min(axis=0), 100 * found.places.max(axis=0)
+        raise BadInput(f"within: {within!r} given, where none of the {len(found.places)} grasps is; they lie from "
+                       f"{low[0]:.1f},{low[1]:.1f} to {high[0]:.1f},{high[1]:.1f} cm")
+    new, holes = statistics.next_places(found.seen, table, coming)
+    expected = [100 * statistics.expected_success(found.seen, table, curve) / curve.top for curve in curves]
     summary: dict[str, Any] = {
         "data": found.origin, "left out": "; ".join(found.without) or "nothing",
-        "doubts": "; ".join(found.doubts) or "none", "grasps": len(found.places),
+        "doubts": "; ".join(found.doubts) or "none", "grasps": len(found.places), "grasps in this part": inside,
         "places": statistics.in_words(statistics.repetitions(found.places)),
         "part of the table (cm)": ", ".join(f"{100 * value:.1f}" for corner in table for value in corner)
         + " (around these grasps; --within names the part that matters)" * (box is None),
-        "radius (cm)": known, "places in effect": statistics.effective_number(found.places, curves[0]),
-        "largest hole, to the nearest grasp (cm)": 100 * float(holes[0]),
+        "radius (cm)": known, "places in effect": round(statistics.effective_number(found.places, curves[0]), 1),
+        "largest hole, to the nearest place seen (cm)": round(100 * float(holes[0]), 1),
         "success over this part, of that at a place seen (%)": _interval(expected, 0)}
     proposed = [{"placement": number, "x (cm)": round(100 * float(x), 1), "y (cm)": round(100 * float(y), 1),
                  "nearest before it (cm)": round(100 * float(hole), 1)}
@@ -69,7 +80,8 @@ def coverage(
         from move.figures.plots import real_figures, style
 
         style.use_style()
-        style.save(real_figures.grasp_figure({"": found.places}, {"": new}), out.stem, out.parent)
+        figure = real_figures.grasp_figure({"": found.places}, {"": new}, simulated=found.simulated, table=table)
+        style.save(figure, out.stem, out.parent)
     if as_json:
         return show({**summary, "next": proposed, "map": str(out.absolute()) if out else None}, True, "")
     show(summary, False, "What these demonstrations cover")

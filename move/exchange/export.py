@@ -57,12 +57,12 @@ VIDEO_OPTIONS = {"crf": "8", "g": "2", "bf": "0", "preset": "medium"}
 
 
 class Origin(BaseModel):
-    """What was recorded, as the attributes of a data set say; by default a scene of this package."""
+    """What was recorded, as the attributes of a data set say: a scene of this package, or whatever they name."""
 
     model_config = ConfigDict(frozen=True, strict=True)
 
     task: str = Field("unknown", max_length=200)
-    robot_type: str = Field("metaworld_sawyer", max_length=200)
+    robot_type: str = Field("unknown", max_length=200)
     fps: int = Field(int(Scene.metadata["render_fps"]), ge=1, le=1000, description="timesteps a second")
 
     @classmethod
@@ -72,7 +72,9 @@ class Origin(BaseModel):
         Raises:
             BadInput: a task, a robot or a rate that is none.
         """
-        return validated(cls, {"task": dataset.task_of(attributes) or "unknown", **attributes}, "attributes")
+        task = dataset.task_of(attributes)
+        own = {"task": task, "robot_type": "metaworld_sawyer"} if task in TASKS else {}
+        return validated(cls, {**own, **attributes}, "attributes")
 
 
 def export(data: Path, out: Path, form: str, clip_actions: bool = False, whole_episodes: bool = False

@@ -265,7 +265,7 @@ def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
     settings = tables[""].drop_duplicates(["setting", "observation"])
     decided = "; ".join(f"{row.setting} {row.verdict}" for row in settings.itertuples()
                         if row.observation == "rgb" and row.setting in (DECIDES, TEN))
-    parts = [f"motion is coverage and nothing besides: {decided}.", _lead_text(tables), _asked_text(tables)]
+    parts = [f"is motion coverage and nothing besides? {decided}.", _lead_text(tables), _asked_text(tables)]
     return (f"**The paper:** motion works because it shows more of space. **Here:** "
             f"{' '.join(filter(None, parts)) if decided else 'nothing is computed yet.'} "
             f"**How sure:** {data.sample_size}")

@@ -62,6 +62,7 @@ BOUNDS = {
 }
 FASTEST_HZ = 1000.0  # a stated rate above it names no unit of time
 PER_CENT = 100.0
+BY_SIZE = "size of the numbers"
 SCALED_TO_ONE = 1e-4  # how near 1 the largest of numbers that were scaled to -1..1 is
 ONE_UNIT = 30.0  # the largest number of one joint may be so many times that of any other
 MOTOR_COUNTS = 4096  # a turn of a hobby motor, which may be stored as it is read
@@ -210,15 +211,17 @@ def _row(about: Recording, quantity: str, values: np.ndarray, given: Mapping[str
         return unknown(doubt)
     if sized == "unknown":
         return unknown("between the known ranges")
-    caution = {"normalised": "0 taken as closed",
+    caution = {"normalised": "" if "gripper_closed_is" in given else "0 taken as closed",
                "m": "never above 0.05 m: could be half the gap (half_m)" if high <= 0.05 else ""}
-    return row(sized, "size of the numbers", caution.get(sized, "") if quantity == "gripper" else "")
+    return row(sized, BY_SIZE, caution.get(sized, "") if quantity == "gripper" else "")
 
 
 def _may_be_else(about: Recording, quantity: str, sized: str, largest: float) -> str:
     """As what else numbers may be read than as what they look like; "" where as nothing else."""
     if quantity == "joints" and sized == "rad" and abs(largest - 1) <= SCALED_TO_ONE:
         return "radians, or scaled to -1..1"
+    if quantity == "position" and abs(largest - 1) <= SCALED_TO_ONE:
+        return "metres, or scaled to -1..1"
     if quantity == "gripper" and sized == "mm" and abs(largest - PER_CENT) <= 0.5:
         return "mm or per cent"
     if is_piper(about.robot) or quantity not in ("joints", "gripper"):

@@ -67,6 +67,8 @@ def moving(
         raise BadInput("target, target_within: one of them given; allowed are both or neither")
     if goal is not None and target is None:
         raise BadInput(f"goal: {goal!r} given without a target, which marks it; allowed is a goal with a target")
+    if not callable(phase):
+        raise BadInput(f"phase: {phase!r} given; allowed is a function of the scene, such as `lifted`")
     plane, yaws = _box("within", within, (2,)), _pair("yaw_range", yaw_range)
     moves = {"target": target is not None, "camera": camera is not None, "rotation": yaws != (0.0, 0.0)}
     chosen = _motions(motions, {part for part in NEEDED if not moves[part]})
@@ -78,15 +80,25 @@ def moving(
                   camera_around=_pair("camera_around", camera_around or plane.centre[:2]), yaw_range=yaws,
                   clearance=clearance, freeze_distance=freeze_distance, object_steps=object_steps,
                   target_steps=target_steps, **optional)
+    farthest = max(math.dist(one, other) for one in _corners(plane) for other in _corners(space.target_range))
+    if target is not None and clearance > farthest:
+        raise BadInput(f"clearance: {clearance:g} given; object and target are never more than {farthest:g} m apart")
     moved = with_motions(MujocoScene(env, space, phase), chosen, "all")
     return gymnasium.wrappers.OrderEnforcing(moved, disable_render_order_enforcing=True)
+
+
+def _corners(box: Box) -> list[tuple[float, float]]:
+    """Its four corners in the plane."""
+    return [(x, y) for x in (box.low[0], box.high[0]) for y in (box.low[1], box.high[1])]
 
 
 def _pair(what: str, numbers: Sequence[float]) -> Range:
     try:
         low, high = map(float, numbers)
+        if not math.isfinite(low + high):
+            raise ValueError
     except (TypeError, ValueError) as error:
-        raise BadInput(f"{what}: {numbers!r} given; allowed are two numbers") from error
+        raise BadInput(f"{what}: {numbers!r} given; allowed are two finite numbers") from error
     return low, high
 
 

@@ -69,7 +69,7 @@ def sheet(
     Args:
         speed: the largest, in units of `box` a second; above 0 the object moves by MOVE's law, so that after `seconds`
             it is at its place: it starts at start_x, start_y, moves at `speed` towards `direction` (degrees from x
-            to y) and bounces at the limits.
+            to y) for `seconds` and bounces at the limits.
     """
     from move.sim.motion import equations
 
@@ -83,7 +83,7 @@ def sheet(
             start, before = (equations.translate(place, (-drawn * x, -drawn * y, 0.0), time, box)
                              for time in (seconds, seconds - 1e-3))
             turned = math.degrees(math.atan2(before[1] - start[1], before[0] - start[0]))
-            row |= {"start_x": round(start[0], 2), "start_y": round(start[1], 2), "direction": round(turned) % 360,
-                    "speed": round(drawn, 2)}
+            row |= {"start_x": round(start[0], 2), "start_y": round(start[1], 2), "direction": round(turned, 1) % 360,
+                    "speed": round(drawn, 3), "seconds": seconds}
         rows.append(row)
     return rows

@@ -13,7 +13,7 @@ from move.statistics.distance import Curve
 SAME_PLACE = 0.015  # places within this of one another are one: as exactly as a hand puts an object back
 TICKS = 40  # along each side of the table's part, where holes are looked for and success is expected
 
-Rectangle = tuple[tuple[float, float], tuple[float, float]]
+Table = tuple[tuple[float, float], tuple[float, float]]
 """The low and the high corner, (x, y) each."""
 
 
@@ -61,13 +61,20 @@ def effective_number(places: np.ndarray, curve: Curve) -> float:
     return float(1 / curve.left(apart).mean())
 
 
-def spanned(places: np.ndarray) -> Rectangle | None:
-    """The part of the table that places span; None where all are on one line."""
+def spanned(places: np.ndarray) -> Table | None:
+    """The part of the table that places span; None where all are one place or on one line, to `SAME_PLACE`.
+
+    >>> spanned(np.array([[0.0, 0.0], [0.1, 0.1], [0.2, 0.2]])), spanned(np.array([[0.0, 0.0], [0.1, 0.1], [0.2, 0.0]]))
+    (None, ((0.0, 0.0), (0.2, 0.1)))
+    """
     low, high = places.min(axis=0), places.max(axis=0)
-    return ((float(low[0]), float(low[1])), (float(high[0]), float(high[1]))) if (low < high).all() else None
+    across = np.linalg.svd(places - places.mean(axis=0), full_matrices=False)[2][-1]  # the line's normal
+    if len(places) < 3 or np.ptp(places @ across) <= SAME_PLACE:
+        return None
+    return (float(low[0]), float(low[1])), (float(high[0]), float(high[1]))
 
 
-def ticks(table: Rectangle) -> np.ndarray:
+def ticks(table: Table) -> np.ndarray:
     """The centres of `TICKS` times `TICKS` equal cells of a rectangle, (cells, 2)."""
     share = (np.arange(TICKS) + 0.5) / TICKS
     x, y = (low + share * (high - low) for low, high in zip(*table, strict=True))
@@ -81,7 +88,13 @@ def nearest(points: np.ndarray, places: np.ndarray) -> np.ndarray:
     return cKDTree(places).query(points)[0]
 
 
-def next_places(places: np.ndarray, table: Rectangle, count: int) -> tuple[np.ndarray, np.ndarray]:
+def inside(places: np.ndarray, table: Table) -> int:
+    """How many of (N, 2) places lie in a rectangle or on its sides."""
+    low, high = np.array(table)
+    return int(((places >= low) & (places <= high)).all(axis=1).sum())
+
+
+def next_places(places: np.ndarray, table: Table, count: int) -> tuple[np.ndarray, np.ndarray]:
     """Where to put the next demonstrations: each in the middle of the largest hole that those before it leave.
 
     Returns:
@@ -101,7 +114,7 @@ def next_places(places: np.ndarray, table: Rectangle, count: int) -> tuple[np.nd
     return np.array(chosen).reshape(-1, 2), np.array(radii)
 
 
-def expected_success(places: np.ndarray, table: Rectangle, curve: Curve) -> float:
+def expected_success(places: np.ndarray, table: Table, curve: Curve) -> float:
     """Mean success over the table that the curve says after demonstrations at these places.
 
     >>> round(expected_success(np.array([[0.5, 0.5]]), ((0.0, 0.0), (1.0, 1.0)), Curve(0.9, (100.0,), 3.0)), 3)

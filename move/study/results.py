@@ -7,6 +7,7 @@ such a run gives, is never a number: it is named, and the run counts as missing.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
@@ -168,11 +169,15 @@ def split(specs: list[RunSpec], folder: Path) -> tuple[list[Result], list[tuple[
 
 
 def missing_in_words(missing: list[tuple[RunSpec, str]], shown: int = 3) -> str:
-    """The first runs that are missing, each with the reason if it is an unusable file, and how many more there are."""
-    named = sorted(missing, key=lambda run: run[1] == NOT_COMPUTED)[:shown]
-    words = [spec.label if why == NOT_COMPUTED else f"{spec.label} ({why})" for spec, why in named]
-    words += [f"{len(missing) - shown} more"] if len(missing) > shown else []
-    return ", ".join(words)
+    """The first runs that are missing, each with the reason if it is an unusable file, and how many more there are.
+
+    Those that have one name are counted: they differ in what it does not say.
+    """
+    named = Counter(spec.label if why == NOT_COMPUTED else f"{spec.label} ({why})" for spec, why in sorted(
+        missing, key=lambda run: run[1] == NOT_COMPUTED)).items()
+    words = [f"{times} x {name}" if times > 1 else name for name, times in [*named][:shown]]
+    left = sum(times for _, times in [*named][shown:])
+    return ", ".join([*words, *[f"{left} more"] * bool(left)])
 
 
 def table(results: list[Result]) -> pd.DataFrame:

@@ -12,6 +12,7 @@ from matplotlib.patches import Patch, Rectangle, Wedge
 from move.figures.plots.axes import errors, per_cent
 from move.figures.plots.style import COLOURS, LEAST_POINTS, MARKERS, NAMES, in_order
 from move.paper import REAL_RADIUS_M
+from move.statistics.places import Table
 
 GOLDEN = 0.6180339887498949  # multiples of it spread evenly between 0 and 1
 
@@ -121,13 +122,18 @@ def paths(table: pd.DataFrame, ax: Axes, *, colour: str) -> None:
             ax.plot(before["y_m"].iloc[-1], before["x_m"].iloc[-1], marker="o", markersize=3.5, color=colour, zorder=5)
 
 
-def grasp_map(places: np.ndarray, proposed: np.ndarray, ax: Axes, *, method: str = "") -> None:
+def grasp_map(places: np.ndarray, proposed: np.ndarray, ax: Axes, *, method: str = "", table: Table | None = None
+              ) -> None:
     """Draw the places of grasps from above in the method's mark, and those proposed next as numbers, in centimetres.
 
     Args:
         places: (N, 2) m.
         proposed: (K, 2) m, in order.
+        table: a part of the table to draw the sides of, m.
     """
+    if table:
+        (x, y), (far_x, far_y) = 100 * np.array(table)
+        ax.add_patch(Rectangle((x, y), far_x - x, far_y - y, fill=False, ls="--", lw=0.8, color="#444444"))
     ax.plot(*(100 * places.T), ls="none", marker=MARKERS.get(method, "o"), ms=4, alpha=0.6, mec="none",
             color=COLOURS.get(method, "#444444"))
     for number, (x, y) in enumerate(100 * proposed, 1):

@@ -15,6 +15,7 @@ from matplotlib.patches import Patch
 from move.figures.plots import maps, style
 from move.figures.plots import real as real_plots
 from move.figures.plots.style import COLOURS, NAMES, PAGE_WIDTH, in_order
+from move.statistics.places import Table
 
 JOINTS_A_ROW = 6
 SIMULATED_TEXT = "Simulated data in the layout of real data: no robot was involved"
@@ -58,21 +59,22 @@ def object_figure(places: pd.DataFrame, speeds: pd.DataFrame, *, simulated: bool
     return figure
 
 
-def grasp_figure(places: Mapping[str, np.ndarray], proposed: Mapping[str, np.ndarray], *, simulated: bool = False
-                 ) -> Figure:
+def grasp_figure(places: Mapping[str, np.ndarray], proposed: Mapping[str, np.ndarray], *, simulated: bool = False,
+                 table: Table | None = None) -> Figure:
     """Lay out where demonstrations grasp, and in which holes the next ones should be put, a panel a method.
 
     Args:
         places: method, or "" for one that is not known -> (N, 2) m.
         proposed: the same method -> (K, 2) m, in order.
         simulated: whether to say so on the figure.
+        table: a part of the table to draw the sides of, m.
     """
     width = PAGE_WIDTH if len(places) > 1 else style.COLUMN_WIDTH
     figure, axes = plt.subplots(1, len(places), figsize=(width, 3.2), squeeze=False)
     for (method, points), ax in zip(places.items(), axes[0], strict=True):
-        real_plots.grasp_map(points, proposed[method], ax, method=method)
+        real_plots.grasp_map(points, proposed[method], ax, method=method, table=table)
     style.titles(list(axes[0]), [f"{NAMES.get(method, '')}: {len(points)} grasps".removeprefix(": ")
-                                 for method, points in places.items()])
+                                 + "; numbers: what is next" * (not method) for method, points in places.items()])
     if simulated:
         style.heading(figure, SIMULATED_TEXT)
     return figure

@@ -50,6 +50,8 @@ def episodes(part: Part) -> list[EpisodeRef]:
         place = {"arrays": {name.removeprefix("data/"): array.shape for name, array in arrays.items()
                             if name.startswith("data/")},
                  "gaps": tuple(filter(None, (missing_chunks(name, array) for name, array in arrays.items())))}
+    if not len(ends):
+        raise BadInput(f"{part.root}: meta/episode_ends is empty; allowed is at least one episode")
     ends = ends.astype(np.int64)
     starts = np.concatenate([[0], ends[:-1]])
     if (ends <= starts).any():

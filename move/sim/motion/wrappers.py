@@ -42,10 +42,10 @@ class Motions(BaseModel):
 
     model_config = ConfigDict(frozen=True, strict=True, extra="forbid")
 
-    object_speed: float = Field(default=0.03, ge=0, description="metres per step")
-    target_speed: float = Field(default=0.03, ge=0, description="metres per step")
-    yaw_speed: float = Field(math.radians(1.0), ge=0, description="radians per step")
-    camera_speed: float = Field(math.radians(1.0), ge=0, description="radians per step")
+    object_speed: float = Field(default=0.03, ge=0, allow_inf_nan=False, description="metres per step")
+    target_speed: float = Field(default=0.03, ge=0, allow_inf_nan=False, description="metres per step")
+    yaw_speed: float = Field(math.radians(1.0), ge=0, allow_inf_nan=False, description="radians per step")
+    camera_speed: float = Field(math.radians(1.0), ge=0, allow_inf_nan=False, description="radians per step")
     speed_law: SpeedLaw = Field(default="beta", description="how the speed of an episode is drawn: see sample_speed")
 
 

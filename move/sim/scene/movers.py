@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from typing import Protocol
 
@@ -96,7 +97,24 @@ def mover(model: mujoco.MjModel, data: mujoco.MjData, what: str, name: str, with
     if turns:
         raise BadInput(f"yaw_range: given with {name!r}, which slides; allowed with bodies that are free, mocap or "
                        "fixed")
+    turning = [first + place for place, each in enumerate(joints) if each != SLIDE]
+    if turning and (turning[0] < slides[-1] or np.abs(model.jnt_pos[turning]).max() > 1e-6):
+        raise BadInput(f"{what}: {name!r} given, which a joint turns before others slide it, or about another point "
+                       "than its own; allowed are bodies that slide first")
+    _refuse_beyond_joints(model, data, slides, np.linalg.pinv(axes), what, name, within, where)
     return SlidingBody(model, data, slides, axes, where)
+
+
+def _refuse_beyond_joints(model: mujoco.MjModel, data: mujoco.MjData, slides: list[int], along: np.ndarray, what: str,
+                          name: str, within: Box, where: np.ndarray) -> None:
+    """Refuse a range that the limits of the joints do not let a body reach, for physics would fight the motion."""
+    low, high = (np.where(np.isfinite(corner), corner, where) for corner in (within.low, within.high))
+    corners = np.array(list(itertools.product(*zip(low, high, strict=True)))) - where
+    for joint, reach in zip(slides, along @ corners.T, strict=True):
+        least, most = model.jnt_range[joint] - data.qpos[model.jnt_qposadr[joint]]
+        if model.jnt_limited[joint] and (reach.min() < least - 1e-6 or reach.max() > most + 1e-6):
+            raise BadInput(f"{what}: {name!r} is to slide from {reach.min():.3f} to {reach.max():.3f} m from where it "
+                           f"is; its joint {model.joint(joint).name!r} allows {least:.3f} to {most:.3f}")
 
 
 class FreeBody:

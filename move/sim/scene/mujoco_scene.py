@@ -143,6 +143,8 @@ class MujocoScene(gymnasium.Wrapper):
         self._points: dict[str, np.ndarray] = {}  # live views
         self._object: Mover = mover(*names, "object", task.object, task.object_range, task.has_yaw)
         self._target = mover(*names, "target", task.target, task.target_range, False) if task.target else None
+        if task.target and _owner(*names, task.target) == _owner(*names, task.object):
+            raise BadInput(f"target: {task.target!r} given, which is the object's own body; allowed is another one")
         self._camera = Camera(*names, task.camera, task.camera_around) if task.camera else None
         self._moved = False
 
@@ -242,6 +244,14 @@ class MujocoScene(gymnasium.Wrapper):
         if self._camera:
             self._camera.put(angle)
         self._configuration = replace(self._configuration, camera_angle=angle)
+
+
+def _owner(model: mujoco.MjModel, data: mujoco.MjData, name: str) -> int:
+    """The body that is meant by a name; of what is fixed to the world itself, or of a site of it, a number of its own.
+    """
+    kind, number, _ = located(model, data, "object", name)
+    body = number if kind == "body" else int(model.site_bodyid[number])
+    return body if kind == "body" or model.body_weldid[body] else -1 - number
 
 
 def lifted(scene: MujocoScene) -> bool:
