@@ -665,7 +665,7 @@ def test_an_arms_factor_is_its_episodes_over_the_others_for_the_others_success(w
         assert row.task == "pick-place" and row.episodes == 50, row
         assert row.ratio == pytest.approx(expected.ratio, rel=1e-3) and row.low <= row.ratio <= row.high, row
         asked = row.equal == "demonstrations" and row.other == "each its own, random"
-        _, _, told = text.partition("times as many episodes as 50 random places take for the same success:")
+        _, _, told = text.partition("times as many episodes as 50 random places for the same success:")
         assert not asked or f"{row.arm} {row.text}" in told, row
 
 

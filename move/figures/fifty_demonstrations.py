@@ -180,7 +180,7 @@ def answer(tables: dict[str, pd.DataFrame], data: Data, *, task: str) -> str:
     factors = tables["factors"]
     shown = factors[(factors.task == task) & (factors.equal == "demonstrations") & (factors.other == SPREAD_OUT)]
     each = "; ".join(f"{row.arm} {row.text}" for row in shown.itertuples())
-    asked = "".join(f", times as many episodes as {count} random places take for the same success"
+    asked = "".join(f", times as many episodes as {count} random places for the same success"
                     for count in shown.episodes.unique())
     return (f"**The paper** does not ask. **Here**{asked}: {each or 'not computed yet'}. {_order(tables['predicted'])}"
             f"**How sure:** {data.sample_size}")
