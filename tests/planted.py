@@ -312,6 +312,7 @@ class World:
         self._features = {name: [(spec.hash, features(spec)) for spec in specs] for name, specs in self.specs.items()}
         self.figures: dict[str, Figure] = {}  # by the name of the file that each was saved under
         self._shown: dict[str, Any] = {}
+        self.made: dict[str, Made] = {}
         self.displayed: dict[tuple[str, str], pd.DataFrame] = {}  # by figure and suffix: as a notebook shows it
         self.stored = folder / "results" / PROFILE.name
         self.stored.mkdir(parents=True)
@@ -329,8 +330,8 @@ class World:
         """Execute the code cells of notebook `name` once; returns the text that its last cell shows."""
         if name not in self._shown:
             with self._entered():
-                shown = execute(name, **PROFILE.notebooks.get(name, {}), **changes)["_"]
-                self._shown[name] = getattr(shown, "data", shown)
+                executed = execute(name, **PROFILE.notebooks.get(name, {}), **changes)
+                self._shown[name], self.made[name] = getattr(executed["_"], "data", executed["_"]), executed["made"]
         return self._shown[name]
 
     def table(self, name: str) -> pd.DataFrame:

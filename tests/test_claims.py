@@ -113,6 +113,20 @@ def test_what_would_decide_it_gets_cheaper_with_distance_and_is_as_precise_as_it
     assert undecided.needed.startswith("a: ") and not Finding("a", 0.3, 0.2, 0.4, design=design).needed
 
 
+def test_what_is_missing_costs_what_runs_from_pixels_like_it_have_cost(monkeypatch):
+    def made(observation, minutes, steps):
+        return SimpleNamespace(seconds={"collect": 30.0, "train": 60 * minutes - 30.0}, spec=SimpleNamespace(
+            observation=observation, training=SimpleNamespace(gradient_steps=steps)))
+
+    evidence = Evidence(LAPTOP)
+    evidence.stored = lambda _: dict(enumerate([
+        made("rgb", 10, 1000), made("rgb", 30, 2000), made("keypoints", 1, 5000), made("rgb", 9, 300),
+        made("keypoints", 1, 5000)]))
+    evidence.asked = lambda _: pd.DataFrame({"run": list("abb"), "steps": [2000, 4000, 4000], "stored": False})
+    missing = evidence.missing("three of them", "table2_main", {})
+    assert (missing.runs, missing.minutes) == (2, pytest.approx(6000 * 30 / 2000))
+
+
 def test_the_claims_are_data_and_each_names_a_figure_and_quantities_that_exist():
     assert len(claims()) >= 36
     for each in claims():

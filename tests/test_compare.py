@@ -76,9 +76,21 @@ def test_a_line_says_it_all_and_pairing_narrows_it(capsys, files):
     code, out, _ = move(capsys, "compare", *files(printed(one), printed(other)))
     assert code == 0 and out.count("\n") == 1
     assert "A 0.750 minus" in out and "B 0.600: +15.0 points [+" in out and "p = 0.00" in out
+    low, high = map(float, re.search(r"\[([+-][\d.]+), ([+-][\d.]+)\]", out).groups())
+    expected = exact_difference(one, other)
+    assert (low, high) == pytest.approx((100 * expected.low, 100 * expected.high), abs=0.051)
     assert "paired at 60 configurations of push" in out and "trainings differ is not counted" in out
     assert "0.0 points [" in str(compare.compare(*[compare.read_evaluation(name, []) for name in files(
         printed(one), printed(one))]))
+
+
+def test_episodes_at_a_policys_own_training_points_do_not_count(capsys, files):
+    one, other = printed([1, 1, 1, 0, 0, 0]), printed([0, 0, 1, 0, 1, 1])
+    for content in (one, other):
+        for row in content["rows"][-2:]:
+            row["group"] = "point"
+    code, out, _ = move(capsys, "compare", *files(one, other))
+    assert code == 0 and "paired at 4 configurations" in out and "A 0.750 minus" in out and "B 0.250: +50.0" in out
 
 
 def test_two_stored_runs_by_their_hashes_and_a_run_with_itself(capsys):

@@ -3,12 +3,15 @@
 import json
 
 import numpy as np
+import pandas as pd
 import pytest
 import real_writers as w
 from shared import move
 
+from move import paths
 from move.errors import BadInput
 from move.exchange import export as exporting
+from move.figures.radius import measured
 from move.learn import dataset
 from move.realworld import open_dataset, write_sample
 from move.realworld.grasps import grasp_table, grasps, why_no_grasps
@@ -168,6 +171,15 @@ def test_what_an_export_left_out_is_not_counted(tmp_path):
     found = grasps(str(tmp_path / "whole"))
     assert len(found.places) == record.demonstrations - 1 and found.without == ()
     assert found.origin == f"simulation, {record.demonstrations - 1} demonstrations"
+
+
+def test_the_radius_that_is_taken_is_the_shipped_one_then_its_interval():
+    shipped = pd.read_csv(paths.ROOT / "paper_figures/radius_radii.csv")
+    for setting in ("hand in one place", "hand anywhere"):
+        (row,) = shipped.query("setting == @setting and observation == 'rgb'").itertuples()
+        curves = measured(setting)
+        assert [curve.radii for curve in curves] == [(row.radius,), (row.low,), (row.high,)]
+        assert {(curve.top, curve.steepness) for curve in curves} == {(row.top, row.steepness)}
 
 
 def test_places_on_one_line_span_no_part_of_a_table():

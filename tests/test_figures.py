@@ -10,12 +10,12 @@ from planted import visited
 
 from move import paths
 from move.errors import BadInput
-from move.figures import fig2_overview, load, names, rollouts
+from move.figures import demonstrations, fig2_overview, load, names, rollouts
 from move.figures.page import captions
 from move.figures.page.data import Data
 from move.figures.page.kernels import of_profile
 from move.figures.page.parameters import parts
-from move.figures.plots import real_figures, style
+from move.figures.plots import film, real_figures, style
 from move.paper import PAPER_METHODS
 from move.realworld import tracking, workspace
 from move.realworld.trials import comparisons, real_table
@@ -110,6 +110,27 @@ def test_figure_2_counts_demonstrations_and_the_cells_that_they_visit(tmp_path):
             assert line.get_color() == style.COLOURS[name]
             assert np.array_equal(line.get_xydata(), 100 * places[name][[f"{part}_x", f"{part}_y"]])
     plt.close("all")
+
+
+def test_rollouts_count_the_episodes_that_end_as_in_the_evaluation(tmp_path):
+    rows = pd.DataFrame({"method": "move", "episode": [1, 2, 3], "outcome": ["success", "failure", "failure"],
+                         "steps": 9, "in the evaluation": ["success", "success", "failure"]})
+    data = Data(LAPTOP, tmp_path, seen=rollouts.Seen(rows, {}, [], []))
+    text = rollouts.answer({"": rows}, data, episodes=100)
+    assert "3 episodes, drawn and not picked; 2 of them ended in the evaluation as they do here" in text
+
+
+def test_each_demonstration_is_filmed_under_its_own_methods_name(tmp_path, monkeypatch):
+    asked, titled = [], []
+    monkeypatch.setattr(film, "demonstration", lambda task, method, size: method)
+    monkeypatch.setattr(film, "demonstration_take", lambda method, seed: asked.append(method) or method)
+    monkeypatch.setattr(film, "titled", lambda take, title, *rest: titled.append((take, title)) or take)
+    monkeypatch.setattr(film, "side_by_side", list)
+    monkeypatch.setattr(film, "write_film", lambda frames, path: path)
+    monkeypatch.setattr(film, "write_webp", lambda frames, path: path)
+    monkeypatch.setattr(demonstrations, "gl_problem", lambda: "")
+    demonstrations.seen(Data(LAPTOP, tmp_path), tasks=("push",))
+    assert titled == [("static", "static"), ("adc", "ADC"), ("move", "MOVE")]
 
 
 def test_every_shipped_file_of_a_figure_has_words():

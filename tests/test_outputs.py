@@ -194,3 +194,6 @@ def test_the_shipped_table_4_is_that_of_the_profiles_and_agrees_with_the_paper_w
         recipe = load_profile(profile).recipe("rgb", 20_000)
         told = [str(getattr(recipe, field)) for field in table4_hyperparameters.FIELDS.values()]
         assert table.loc[list(table4_hyperparameters.FIELDS), profile].tolist() == told
+        printed = drawn[drawn["paper, simulation"] != ""]
+        same = (printed[profile] == printed["paper, simulation"]).sum()
+        assert f"the profile {profile} has {same} of them word for word" in made.answers["table4_hyperparameters"]

@@ -32,6 +32,9 @@ from planted import World, features, planted_steps, planted_successes, visited
 from scipy import stats
 from test_figures import BY_HAND, PICTURES, words_of
 
+from move import paths
+from move.claims.claims import claims
+from move.figures import table2_main
 from move.figures.page import captions
 from move.figures.plots import VERDICT_COLOURS, style
 from move.figures.plots.style import GREY
@@ -42,6 +45,7 @@ from move.sim.tasks import TASKS, get_task
 from move.statistics import distance, estimates, motion_is_coverage, training_noise, verdicts
 from move.statistics.data_efficiency import data_efficiency
 from move.statistics.over_tasks import over_tasks
+from move.study.seen import FACTORS
 
 ROUNDED = 1e-4  # of a number in a CSV file
 NAMES = {"static": "static", "adc": "ADC", "move": "MOVE", "mixture": "mixture"}
@@ -472,6 +476,27 @@ def test_what_a_longer_training_changes_is_the_late_difference_minus_the_early_o
         changes[task] = late - early
     assert table[list(changes)].to_dict() == pytest.approx(changes, abs=ROUNDED)
     assert table.drop(list(changes)).tolist() == pytest.approx([np.mean(list(changes.values()))], abs=ROUNDED)
+    beyond = world.table("fig_training_length_beyond").set_index("task").difference
+    for task in changes:
+        late, usual = (world.cell("fig_training_length", task=task, method="move", length=length).mean()
+                       - world.cell("fig_training_length", task=task, method="static", length=length).mean()
+                       for length in (3.0, 1.0))
+        assert beyond[task] == pytest.approx(late - usual, abs=ROUNDED)
+
+
+def test_table_2_lays_ours_beside_the_papers_and_fewer_tasks_beside_their_own_mean(world):
+    rates = pd.DataFrame(rows_of(world, "table2_main"))
+    few = rates[rates.task.isin(PAPER_TASKS[:3])]
+    means = table2_main._means({"": few}).set_index("method")
+    assert means.paper.to_dict() == pytest.approx(few.groupby("method").paper.mean().to_dict())
+    text = world.text("table2_main.tex")
+    for task, own in rates.groupby("task"):
+        line = next(line for line in text.splitlines() if line.startswith(f"{TITLES[task]} &"))
+        cells, by_method = [each.strip() for each in line.split("&")][1:7], own.set_index("method")
+        for number, method in enumerate(("static", "adc", "move")):
+            ours, theirs = cells[2 * number:2 * number + 2]
+            assert float(ours.split()[0]) == pytest.approx(100 * by_method.value[method], abs=0.051)
+            assert float(theirs) == pytest.approx(100 * by_method.paper[method], abs=0.051)
 
 
 def test_readings_of_adc_are_compared_and_averaged_over_the_tasks_that_have_them(world):
@@ -575,6 +600,10 @@ def test_table_5_counts_demonstrations_by_our_experts_own_lengths(world):
             assert table.loc[TITLES[task], f"{method} demonstrations"] == round(get_task(task).timesteps / steps)
     made = table["move demonstrations"].sum() / table["static demonstrations"].sum()
     assert f"MOVE makes {made:.2f} demonstrations for one of static" in here(world, "table5_data_sizes")
+    theirs = PAPER.query("experiment == 'table5_data_sizes' and metric == 'timesteps'").value
+    told = world.show("table5_data_sizes").replace("**", "")
+    assert f"The paper gives {theirs.sum():,.0f} timesteps to 10 tasks" in told
+    assert "the registry has the same number for 10 of 10" in told
 
 
 def test_what_data_cover_stands_beside_the_success_of_the_same_data(world):
@@ -634,6 +663,27 @@ def test_success_by_distance_is_counted_in_centimetres_for_each_method(world):
         assert row.episodes == there.sum() and row.value == pytest.approx(tries.success[there].mean(), abs=ROUNDED)
 
 
+def test_what_distance_predicts_of_window_open_is_told_before_what_came(world):
+    cells = pd.DataFrame(rows_of(world, "radius_cells")).query("where == 'window-open' and observation == 'rgb'")
+    own = cells.set_index("method")
+    gain, expected = (100 * (own[name].move - own[name].static) for name in ("value", "predicted"))
+    found = re.search(r"Window-Open distance predicts a gain of ([+-]\d+); MOVE gains ([+-]\d+)", here(world, "radius"))
+    assert [float(number) for number in found.groups()] == pytest.approx([expected, gain], abs=0.51)
+
+
+def test_each_radius_stands_beside_its_factor_and_a_tasks_ceiling_is_its_experts(world):
+    rows_of(world, "radius_cells")
+    metres = ("object", "target", "hand")
+    for (setting, _), own in world.table("radius_radii").groupby(["setting", "observation"], sort=False):
+        assert own.factor.tolist() == (list(FACTORS) if setting == "ten tasks" else ["object"])
+        assert own.unit.tolist() == ["m" if name in metres else "rad" for name in own.factor]
+    for (setting, _), found in world.made["radius"].data.seen.items():
+        for task in set(found.tries.group if setting == "ten tasks" else ()):
+            (expert,) = world.found("radius", task=task, method="expert")
+            rate = np.mean([row["success"] for row in expert.rows])
+            assert set(found.tries.ceiling[found.tries.group == task]) == {rate} != {1.0}
+
+
 def test_over_tasks_a_prediction_knows_nothing_of_its_own_task(world):
     cells = pd.DataFrame(rows_of(world, "radius_cells"))
     assert set(cells[cells.setting == "ten tasks"].observation) == {"rgb", "keypoints"}
@@ -650,6 +700,13 @@ def test_a_claim_that_is_asked_again_is_named_as_its_difference_is_taken(world):
     table = world.table("decided_differences")
     assert len(table) == len(named) and set(named) == {
         f"{row.claim}: {row.variant} \N{MINUS SIGN} {row.baseline}" for row in table.itertuples()}
+    ax, rows = world.figures["decided"].axes[0], {
+        f"{row.claim}: {row.variant} \N{MINUS SIGN} {row.baseline}": row for row in table.itertuples()}
+    for place, *numbers, _ in drawn(ax, across=True):
+        row = rows.pop(tick(ax, place, across=True))
+        assert numbers == pytest.approx([row.difference, row.low, row.high], abs=ROUNDED), row
+    assert not rows
+    assert min(spec.seed for spec in world.specs["decided"]) >= 10, "seeds of its own, not those that left it open"
 
 
 def test_an_arms_factor_is_its_episodes_over_the_others_for_the_others_success(world):
@@ -667,6 +724,15 @@ def test_an_arms_factor_is_its_episodes_over_the_others_for_the_others_success(w
         asked = row.equal == "demonstrations" and row.other == "each its own, random"
         _, _, told = text.partition("times as many episodes as 50 random places for the same success:")
         assert not asked or f"{row.arm} {row.text}" in told, row
+
+
+def test_the_arms_of_another_task_stand_in_their_order_each_in_its_methods_colour(world):
+    rates = pd.DataFrame(rows_of(world, "fifty_demonstrations")).query("task == 'push' and equal == 'demonstrations'")
+    (ax,) = panels(world, "fifty_demonstrations", "Push")
+    own = rates.set_index("arm").loc[list(ARMS)]
+    assert [mark[1:] for mark in drawn(ax)] == [
+        (*(pytest.approx(each, abs=2 * ROUNDED) for each in (row.value, row.low, row.high)), COLOURS[row.method])
+        for row in own.itertuples()]
 
 
 def test_what_was_predicted_of_placements_stands_beside_what_was_planted_there(world):
@@ -760,7 +826,9 @@ def test_the_steps_of_the_gap_lead_from_the_rate_here_to_the_papers(world):
             elif step.step == "not explained":
                 assert step.change == pytest.approx(theirs[case, method] - together, abs=2 * ROUNDED)
             else:
-                assert step.change == pytest.approx(rates[case, method, step.step]["effect"], abs=ROUNDED)
+                effect = rates[case, method, step.step]
+                assert (step.change, step.low, step.high) == pytest.approx(
+                    (effect["effect"], effect["effect_low"], effect["effect_high"]), abs=ROUNDED)
             level += step.change
         assert level == pytest.approx(theirs[case, method], abs=9 * ROUNDED), (case, method)
     assert {row["setting"] for row in rates.values()} == {*AUTHORS, "all of them together"}
@@ -902,6 +970,9 @@ MARKS = [
     *[Marks("fig_training_length", "fig_training_length", title({"task": task}), of_task(task),
             lambda row: row["length"]) for task in ("pick-place", "push", "window-open")],
     Marks("equal_demonstrations", "equal_demonstrations", ticks=lambda row: row["equal"]),
+    *[Marks("fifty_demonstrations", "fifty_demonstrations", word, lambda row, equal=equal: (
+        row["task"], row["equal"]) == ("pick-place", equal), lambda row: row["demonstrations"])
+      for word, equal in (("Pick-Place, equal demonstrations", "demonstrations"), ("equal timesteps", "timesteps"))],
     *[Marks("fig_perception", "fig_perception", word, lambda row, seen=seen: row["observation"] == seen,
             lambda row: row["experiment"].replace(", ", " ").replace("+", " + "))
       for seen, word in (("rgb", "from pixels"), ("keypoints", "from keypoints"))],
@@ -1084,7 +1155,9 @@ def test_cells_stand_over_their_prediction_and_leads_on_their_line(world):
         own = leads[leads.compared == compared]
         assert [mark[1:4] for mark in marks] == [pytest.approx((row.difference, row.low, row.high), abs=ROUNDED)
                                                  for row in own.itertuples()]
-        assert [tick(ax, mark[0], across=True).split(",")[0] for mark in marks] == own.setting.tolist()
+        words = {"rgb": "pixels", "keypoints": "keypoints"}
+        assert [tick(ax, mark[0], across=True) for mark in marks] == [
+            f"{row.setting}, {words[row.observation]}" for row in own.itertuples()]
 
 
 def test_success_falls_along_the_fitted_curve_and_half_of_it_is_left_at_the_radius(world):
@@ -1278,6 +1351,8 @@ SAID = [
          lambda row: row["task"].startswith("mean of")),
     Said("fig_training_length", "fig_training_length_beyond", lambda row: ("recipe's length to the longest",),
          "difference", lambda row: row["task"].startswith("mean of")),
+    Said("decided", "decided_differences", lambda row: (
+        f"claim {row['claim']}, {row['variant']} minus {row['baseline']}",), "difference"),
     Said("equal_demonstrations", "equal_demonstrations_differences",
          lambda row: ("equal", row["equal"], "MOVE", "static"), "difference"),
     Said("table_adc", "table_adc_differences",
@@ -1802,6 +1877,18 @@ def test_a_claims_numbers_are_what_was_planted_and_its_verdict_follows(place, nu
         assert verdict == "reproduced", entry["numbers"]
 
 
+@pytest.mark.parametrize(("number", "other"), [(1, "static"), (4, "adc"), (5, "static")])
+def test_the_room_of_a_difference_is_what_the_other_side_leaves(world, number, other):
+    rates = [world.cell("table2_main", task=task, method=other, observation="rgb").mean() for task in PAPER_TASKS]
+    (room,) = {each["room"] for each in ledger(world)[number]["numbers"] if each["room"] is not None}
+    assert room == pytest.approx(1 - np.mean(rates), abs=1e-5)
+
+
+def test_a_reader_of_the_ledger_is_told_which_rules_changed():
+    assert [entry["changed"] for entry in json.loads((paths.ROOT / "paper_figures/claims.json").read_text())["claims"]
+            ] == [claim.changed for claim in claims()]
+
+
 INTERVALS: dict[int, tuple[str, dict[str, str]]] = {  # a claim's number -> the table of the same differences, its rows
     1: ("table2_main_differences_mean", {"baseline": "static"}),
     2: ("table2_main_differences", {"baseline": "static"}), 3: ("table2_main_differences", {"baseline": "adc"}),
@@ -1889,6 +1976,7 @@ LACKING: dict[str, Row] = {  # question marks stand in the place of these cells
     "fig7_speed": {"task": "pick-place", "method": "move", "camera_speed": round(float(np.radians(2.67)), 6)},
     "few_demonstrations": {"method": "static", "timesteps": 1550},
     "fig_training_length": {"task": "push", "method": "move", "length": 3.0},
+    "fifty_demonstrations": {"task": "pick-place", "method": "move", "demonstrations": 25, "placement": ("random", 25)},
 }
 
 
@@ -1898,6 +1986,14 @@ def lacking(world):
     for figure, cell in LACKING.items():
         world.lose(figure, **cell)
     return world
+
+
+def test_one_question_mark_stands_for_one_cell_that_is_missing(lacking):
+    lacking.show("fifty_demonstrations")
+    marks = [line for ax in lacking.figures["fifty_demonstrations"].axes for line in ax.get_lines()
+             if line.get_marker() == "$?$" and len(line.get_xdata())]
+    assert [len(line.get_xdata()) for line in marks] == [1] and to_hex(marks[0].get_color()) == COLOURS["move"]
+    assert float(marks[0].get_xdata()[0]) == pytest.approx(25, rel=0.1)
 
 
 def picture(name: str, world: World) -> plt.Figure:

@@ -1,5 +1,6 @@
 """Specs and their hashes, results that are never half-read, execution that goes on, profiles, evaluation."""
 
+import dataclasses
 import json
 import os
 import shutil
@@ -126,6 +127,14 @@ def test_a_result_comes_back_as_it_was_stored(stored):
     assert again.provenance["versions"]["mujoco"] == "3.3.0"
     assert again.collection["timesteps"] == 100 and len(again.training["curve"]) == 3
     assert not list(folder.glob("*.part"))
+
+
+def test_a_runs_rate_leaves_out_its_training_points(stored):
+    result, _ = stored
+    rows = [{"trial": n, "group": group, "success": won} for n, (group, won) in enumerate(
+        [("grid", True), ("grid", False), ("point", True), ("grid", False), ("grid", False), ("point", True)])]
+    result = dataclasses.replace(result, rows=rows)
+    assert result.judged == [True, False, False, False] and result.rate == 0.25
 
 
 def test_a_missing_result_is_missing(tmp_path):

@@ -52,6 +52,7 @@ def test_on_another_processor_the_rate_is_judged_and_not_the_bits(honest, tmp_pa
     results.store(dataclasses.replace(honest, rows=rows, provenance=provenance), tmp_path)
     (row,) = verify.verify([honest.spec], tmp_path, 1, rng())
     assert row["same"] is same and "other processor" in row["judged"]
+    assert (row["stored_rate"], row["recomputed_rate"]) == (float(outcome), 0.0)
 
 
 def test_a_sample_holds_a_run_from_pixels_and_none_twice(honest):

@@ -202,7 +202,8 @@ WORDS = Words(
         f"Success over a grid of places against the number of demonstrations: (a) all arms with as many, (b) with as "
         f"many timesteps, in units of {STEPS} (a static demonstration), (c) another task. Static demonstrations grasp "
         "at five or ten places again and again, or each at a place of its own (random, one a cell of a jittered grid, "
-        f"or a Halton sequence); under MOVE the object arrives at such places. {INTERVALS}"),
+        f"or a Halton sequence); under MOVE the object arrives at such places. {INTERVALS} "
+        "Question marks are what is not computed yet."),
     alt="Curves of success over the number of demonstrations, one a way of placing them.",
     tables={
         "": f"Placements of demonstrations. {RATES}",

@@ -49,10 +49,14 @@ class Result:
         return np.array([row["success"] for row in self.rows], float)
 
     @property
+    def judged(self) -> list[bool]:
+        """Whether each of the evaluation episodes that are not training points succeeded."""
+        return [row["success"] for row in self.rows if row["group"] != "point"]
+
+    @property
     def rate(self) -> float:
         """Success rate over the evaluation episodes that are not training points."""
-        judged = [row["success"] for row in self.rows if row["group"] != "point"]
-        return sum(judged) / len(judged)
+        return sum(self.judged) / len(self.judged)
 
 
 def store(result: Result, folder: Path) -> Path:

@@ -81,7 +81,7 @@ def _recompute(
     other = _elsewhere(stored, again)
     different = first_difference(stored.rows, again.rows)
     if other:
-        low, high = wilson_interval(stored.rate, len(stored.rows))
+        low, high = wilson_interval(stored.rate, len(stored.judged))
         same, judged = low <= again.rate <= high, f"by rate and interval [{low:.3f}, {high:.3f}]: other {other}"
     else:
         same, judged = different is None, "row by row"
