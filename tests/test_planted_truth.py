@@ -22,7 +22,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from matplotlib.axes import Axes
-from matplotlib.collections import FillBetweenPolyCollection, PathCollection, QuadMesh
+from matplotlib.collections import FillBetweenPolyCollection, LineCollection, PathCollection, QuadMesh
 from matplotlib.colors import to_hex
 from matplotlib.container import ErrorbarContainer
 from matplotlib.lines import Line2D
@@ -1190,6 +1190,11 @@ def test_costs_stand_over_their_method_one_bar_an_expert(world):
             own = [height for colour, name, height in bars if (colour, name) == (COLOURS[method], NAMES[method])]
             expected = means[means.method == method].set_index("expert")[column]
             assert own == pytest.approx([expected["phase"], expected["metaworld"]], abs=ROUNDED)
+        strengths = [bar.get_alpha() for bar in sorted(ax.patches, key=lambda bar: bar.get_x())]
+        (legend,) = world.figures["table6_collection"].legends
+        shown = {text.get_text(): handle.get_alpha() for text, handle in zip(
+            legend.get_texts(), legend.legend_handles, strict=True)}
+        assert strengths == [shown["phase expert (ours)"], shown["Meta-World's expert"]] * 3
         dotted = {tick(ax, float(np.mean(line.get_xdata()))): float(line.get_ydata()[0]) for line in ax.get_lines()
                   if line.get_linestyle() == ":"}
         theirs = PAPER.query("experiment == 'table6_collection' and condition == 'simulation' and metric == @column")
@@ -2124,6 +2129,17 @@ def test_the_caption_names_the_marks_that_are_drawn_and_no_other(printed):
     text = captions.caption(words_of(printed.get_label())).text
     told = {mark: bool(re.search(mark, text)) for mark in NAMED}
     assert told == {mark: bool(there(printed)) for mark, there in NAMED.items()}
+
+
+def test_a_legend_gives_each_method_and_verdict_its_own_colour(printed):
+    known = {**{NAMES[method]: colour for method, colour in COLOURS.items()},
+             **{verdict: to_hex(colour) for verdict, colour in VERDICT_COLOURS.items()}}
+    legends = [*printed.legends, *(ax.get_legend() for ax in printed.axes if ax.get_legend())]
+    for text, handle in ((text.get_text(), handle) for legend in legends
+                         for text, handle in zip(legend.get_texts(), legend.legend_handles, strict=True)):
+        colour = handle.get_color() if isinstance(handle, (Line2D, LineCollection)) else handle.get_facecolor()
+        if text in known:
+            assert to_hex(np.ravel(colour)[:3] if not isinstance(colour, str) else colour) == known[text], text
 
 
 def test_every_letter_that_the_caption_names_is_a_panel(printed):
