@@ -217,6 +217,20 @@ def test_what_is_missing_costs_its_steps_and_what_only_collects_its_collection(m
     assert (found.runs, found.minutes) == (3, pytest.approx(1500 * 0.01 + 3.0))
 
 
+def test_more_seeds_cost_what_all_parts_of_a_seed_have_cost(monkeypatch):
+    spent = {"a": {"collect": 60.0, "train": 240.0, "evaluate": 60.0}, "b": {"collect": 60.0, "train": 300.0,
+                                                                           "evaluate": 120.0}}
+    evidence = Evidence(LAPTOP)
+    monkeypatch.setattr(evidence, "stored", lambda experiment: {
+        run: SimpleNamespace(seconds=seconds) for run, seconds in spent.items()})
+    rows = pd.DataFrame({"run": ["a", "b"] * 50, "seed": [0, 1] * 50, "success": [True, False] * 50})
+    found = evidence.with_seeds(Finding("it", 0.1, -0.1, 0.3), "table2_main", rows).design
+    assert (found.seeds, found.half_width, found.minutes) == (2, pytest.approx(0.2), pytest.approx((6 + 8) / 2))
+    design = evidence.design("table2_main", [rows, rows])
+    assert (design.seeds, design.configurations) == (2, 50) and design.minutes == pytest.approx(2 * 7.0)
+    assert design.evaluation_minutes == pytest.approx(2 * 1.5 * 100 / 50)
+
+
 @pytest.mark.parametrize("profile, gl", [("laptop-keypoints", True), ("smoke", False), ("paper", True)])
 def test_a_claim_that_a_profile_has_no_runs_for_says_so(profile, gl, tmp_path, monkeypatch):
     monkeypatch.setattr(Profile, "results", property(lambda profile: tmp_path))

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy import stats
 
 from move.statistics.data_efficiency import data_efficiency
 from move.statistics.estimates import (
@@ -156,6 +157,8 @@ def test_an_interval_that_knows_episodes_alone_covers_too_seldom():
     table = coverage([1, 3], [0.12], 0.4, 400).set_index(["interval", "seeds"])
     assert table.covered["ours"].min() > 0.87 and table.covered["episodes alone"].max() < 0.8
     assert (table.half_width["ours"] > 1.6 * table.half_width["episodes alone"]).all()
+    for seeds, half in table.half_width["episodes alone"].items():
+        assert half == pytest.approx(1.96 * np.sqrt(0.4 * 0.6 / (100 * seeds)), rel=0.1)
 
 
 @pytest.mark.parametrize("seeds", [1, 3])
@@ -240,6 +243,9 @@ def test_over_tasks_gives_what_can_be_computed_by_hand():
     assert found.improvement == pytest.approx(0.85)  # eight above, one below, one alike
     assert found.low < 0.14 < found.high and found.iqm_low < found.iqm_first - 0.5 < found.iqm_high
     assert found.improvement_low < 0.85 < found.improvement_high
+    half = over_tasks(tasks_with(*[10, -10] * 8))
+    ends = stats.binom(16, 0.5).ppf([0.025, 0.975]) / 16  # of so many tasks drawn from as many, 5 and 11 at 90 %
+    assert (half.improvement_low, half.improvement_high) == pytest.approx(tuple(ends)) == (0.25, 0.75)
 
 
 def test_the_test_over_tasks_flips_signs_and_is_exact():

@@ -318,7 +318,7 @@ def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
             continue
         left = f", with all settings {level[TOGETHER]:.0%}" if TOGETHER in level else ""
         said.append(f"{case}: static {level[PACKAGE]:.0%} here{left}, {theirs:.0%} in the paper")
-    return f"**Here:** {'; '.join(said)}. **How sure:** {data.sample_size}"
+    return f"**Here:** {'; '.join(said) or 'static is not computed yet'}. **How sure:** {data.sample_size}"
 
 
 WORDS = Words(
