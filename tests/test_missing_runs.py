@@ -1,5 +1,7 @@
 """Every figure is drawn, and its paragraph written, where one method's runs are not there, or a profile has few."""
 
+import re
+
 import cells
 import matplotlib.pyplot as plt
 import pandas as pd
@@ -55,6 +57,7 @@ def test_a_figure_is_drawn_where_only_one_method_is_there(name, alone, figures, 
         return
     made = cells.execute(name)["made"]
     assert "nan" not in made.answer.data and list(figures.glob(f"{name}*"))
+    assert not re.search(r":\*\* ?[.;]", made.answer.data), "nothing is said"
     if missing := len(made.data.missing):
         told = f"{missing} of {len({run.spec for run in made.data.runs})} runs are missing"
         assert told in made.answer.data and told in made.data.remark
