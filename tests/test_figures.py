@@ -16,6 +16,7 @@ from move.figures.page.data import Data
 from move.figures.page.kernels import of_profile
 from move.figures.page.parameters import parts
 from move.figures.plots import film, real_figures, style
+from move.figures.tables.ranks import ranks
 from move.paper import PAPER_METHODS
 from move.realworld import tracking, workspace
 from move.realworld.trials import comparisons, real_table
@@ -110,6 +111,13 @@ def test_figure_2_counts_demonstrations_and_the_cells_that_they_visit(tmp_path):
             assert line.get_color() == style.COLOURS[name]
             assert np.array_equal(line.get_xydata(), 100 * places[name][[f"{part}_x", f"{part}_y"]])
     plt.close("all")
+
+
+def test_a_perfect_order_has_no_interval_and_another_one_has():
+    cells = pd.DataFrame({"value": [0.1, 0.2, 0.3, 0.4], "same": [1, 2, 3, 4], "other": [2, 1, 3, 4]})
+    perfect, near = ranks(cells, {"same": "same", "other": "other"}, cells.index.to_numpy())
+    assert perfect["correlation"] == 1.0 and np.isnan([perfect["low"], perfect["high"]]).all()
+    assert near["correlation"] == pytest.approx(0.8) and -1 <= near["low"] < 0.8 < near["high"] == 1
 
 
 def test_rollouts_count_the_episodes_that_end_as_in_the_evaluation(tmp_path):

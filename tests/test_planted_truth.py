@@ -733,6 +733,10 @@ def test_the_arms_of_another_task_stand_in_their_order_each_in_its_methods_colou
     assert [mark[1:] for mark in drawn(ax)] == [
         (*(pytest.approx(each, abs=2 * ROUNDED) for each in (row.value, row.low, row.high)), COLOURS[row.method])
         for row in own.itertuples()]
+    before = world.table("fifty_demonstrations_predicted").query("equal == 'demonstrations'").set_index("arm")
+    dashes = {int(x): y for line in ax.get_lines() if line.get_marker() == "_" and to_hex(line.get_color()) == "#000000"
+              for x, y in line.get_xydata()}
+    assert dashes == pytest.approx({place: before.predicted[name] for place, name in enumerate(ARMS)}, abs=ROUNDED)
 
 
 def test_what_was_predicted_of_placements_stands_beside_what_was_planted_there(world):
@@ -743,8 +747,17 @@ def test_what_was_predicted_of_placements_stands_beside_what_was_planted_there(w
         (own,) = rates[(rates.task == row.task) & (rates.equal == row.equal) & (rates.arm == row.arm)
                        & (rates.demonstrations == row.demonstrations)].itertuples()
         assert (row.value, row.low, row.high) == pytest.approx((own.value, own.low, own.high), abs=ROUNDED)
-    ranked = told[told.equal == "demonstrations"][["predicted", "value"]].rank()
-    found = np.corrcoef(ranked.T)[0, 1]
+        runs = world.found("fifty_demonstrations", task="push", **arm(row._asdict()))
+        spreads = [np.hypot(*np.std(run.collection["grasp_points"], axis=0)) for run in runs]
+        assert row.spread == pytest.approx(np.mean(spreads), abs=ROUNDED) and len(runs) == 3
+    correlations = {(row.equal, row.score): row.correlation
+                    for row in world.table("fifty_demonstrations_ranks").itertuples()}
+    for equal, arms in told.groupby("equal"):
+        for score, column in (("distance to what was seen", "predicted"), ("spread of grasps", "spread")):
+            found = np.corrcoef(arms[[column, "value"]].rank().T)[0, 1]
+            assert correlations.pop((equal, score)) == pytest.approx(found, abs=ROUNDED)
+    assert not correlations
+    found = np.corrcoef(told[told.equal == "demonstrations"][["predicted", "value"]].rank().T)[0, 1]
     assert f"Push: order {'' if found >= 0.8 else 'not '}as predicted (Spearman {found:.2f})" in text
 
 
@@ -756,7 +769,7 @@ def test_scores_are_ranked_against_the_rates_of_their_own_cells(world):
         own = cells[(cells.setting == row.setting) & (cells.observation == row.observation)]
         ranked = own[["value", columns[row.score]]].rank()
         assert row.correlation == pytest.approx(np.corrcoef(ranked.T)[0, 1], abs=0.02) and row.cells == len(own)
-        assert row.low <= row.correlation <= row.high
+        assert row.low <= row.correlation <= row.high or np.isnan(row.low) and np.isnan(row.high)
     run = world.found("radius", hand="one place", method="static", observation="rgb")[0]
     seen = visited(run.spec.collection, False).drop(columns="phase").drop_duplicates()[["object_x", "object_y"]]
     figure = {"sparse": "figure 1", "dense": "figure 3", "circle": "figure 5"}[run.spec.collection.protocol]

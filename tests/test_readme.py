@@ -3,6 +3,7 @@
 import importlib.util
 import re
 
+import numpy as np
 import pandas as pd
 import pytest
 
@@ -107,3 +108,19 @@ def test_the_deviations_say_the_means_that_the_tables_have():
         *(readings[seen, way] for seen in ("rgb", "keypoints") for way in ("mended", "as printed"))))
     assert f"with its present one they are {static}, {adc} and {move}" in text
     assert "ADC has {} so and {} as printed from pixels (one seed), {} and {} from keypoints".format(*ways) in text
+
+
+def test_readme_and_the_how_to_page_say_what_their_figures_have():
+    rates, gap = (pd.read_csv(paths.ROOT / f"paper_figures/{name}.csv") for name in ("fifty_demonstrations", "gap"))
+    own = rates[(rates.task == "pick-place") & (rates.equal == "demonstrations")]
+    success = own.set_index(["arm", "demonstrations"]).value
+    third = gap[(gap.case == "figure 1") & (gap.setting == "0.33 times the steps")].set_index("method").value
+    told = [third["static"], third["move"], success["5 places", 100], success["each its own, random", 50],
+            success["MOVE, random", 25]]
+    text = README.split("so are figure 1's")[1].split("Claims:")[0]
+    assert [float(number) for number in re.findall(r"(?<![\d.])\.\d\d", text)] == pytest.approx(told, abs=0.0051)
+    page = (DOCS / "how-to/where_to_put_the_object.md").read_text()
+    rows = [[int(cell) for cell in row] for row in re.findall(
+        r"^\| (?!demonstrations).* \| (\d+) \| (\d+) \| (\d+) \|$", page, re.M)]
+    expected = [[100 * success[arm, count] for count in (25, 50, 100)] for arm in dict.fromkeys(own.arm)]
+    assert np.array(rows) == pytest.approx(np.array(expected), abs=0.51) and len(rows) == 7

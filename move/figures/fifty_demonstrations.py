@@ -6,6 +6,7 @@ from functools import partial
 from typing import Any
 
 import matplotlib.pyplot as plt
+import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -18,6 +19,7 @@ from move.figures.plots.axes import errors, log_ticks, success_axis
 from move.figures.plots.style import COLOURS, PAGE_WIDTH, titles
 from move.figures.tables import rate_table
 from move.figures.tables.differences import variant_table
+from move.figures.tables.ranks import RANKS, ranks
 from move.paths import ROOT
 from move.sim.placement import Placement
 from move.sim.tasks import TASKS
@@ -27,6 +29,7 @@ from move.statistics.training_noise import UNKNOWN, TrainingNoise
 from move.study.kinds import policy_run
 from move.study.labels import LabelledRun, grid
 from move.study.profiles import Profile
+from move.study.results import Result
 
 REPEATED = True
 BY = ["task", "equal", "demonstrations", "arm", "method"]
@@ -96,16 +99,36 @@ def tables(data: Data, *, observation: str) -> dict[str, pd.DataFrame]:
         "differences": variant_table(data.episodes, BY[:3], "arm", lambda _: [
             (arm, COPIED) for arm in ARMS if arm != COPIED], noise),
         "factors": factors_table(data.episodes, noise),
-        "predicted": predicted_table(rates),
+        "predicted": (predicted := predicted_table(rates, data.results)),
+        "ranks": ranks_table(predicted),
     }
 
 
-def predicted_table(rates: pd.DataFrame) -> pd.DataFrame:
-    """What the radius said of each arm on the other task before it was tried, and what came of it."""
-    columns = [*BY[:4], "predicted", "value", "low", "high"]
+def predicted_table(rates: pd.DataFrame, results: list[Result]) -> pd.DataFrame:
+    """What the radius said of each arm on the other task before it was tried, and what came of it.
+
+    `spread` is what other tools score: the standard deviation of the places of the grasps, in metres.
+    """
+    columns = [*BY[:4], "predicted", "spread", "value", "low", "high"]
     if rates.empty or not PREDICTED.exists():
         return pd.DataFrame(columns=columns)
-    return pd.read_csv(PREDICTED).merge(rates, on=BY[:4])[columns]
+    spread = pd.DataFrame([{**{name: result.labels[name] for name in BY[:4]}, "spread": _spread(result)}
+                           for result in results]).groupby(BY[:4], as_index=False).mean()
+    return pd.read_csv(PREDICTED).merge(rates, on=BY[:4]).merge(spread, on=BY[:4])[columns]
+
+
+def _spread(result: Result) -> float:
+    assert result.collection is not None
+    return float(np.sqrt(np.var(result.collection["grasp_points"], axis=0).sum()))
+
+
+def ranks_table(predicted: pd.DataFrame) -> pd.DataFrame:
+    """How well two scores order the arms of a task of which neither knew a rate; each arm is left out in turn."""
+    scores = {"distance to what was seen": "predicted", "spread of grasps": "spread"}
+    rows = [{"task": task, "equal": equal, **row}
+            for (task, equal), arms in predicted.groupby(["task", "equal"], sort=False) if len(arms) == len(ARMS)
+            for row in ranks(arms, scores, arms.arm.to_numpy())]
+    return pd.DataFrame(rows, columns=["task", "equal", *RANKS])
 
 
 def factors_table(episodes: pd.DataFrame, known: TrainingNoise = UNKNOWN) -> pd.DataFrame:
@@ -136,7 +159,9 @@ def draw(tables: dict[str, pd.DataFrame], data: Data, *, task: str, other_task: 
     for ax, equal in zip(axes[:2], ("demonstrations", "timesteps"), strict=True):
         _curves(shown[shown.equal == equal], ax)
         ax.set_xlabel("demonstrations" if equal == "demonstrations" else f"timesteps / {STEPS}")
-    _bars(rates[(rates.task == other_task) & (rates.equal == "demonstrations")], axes[2])
+    other, before = (table[(table.task == other_task) & (table.equal == "demonstrations")]
+                     for table in (rates, tables["predicted"]))
+    _bars(other, before, axes[2])
     for ax in axes[1:]:
         ax.set_ylabel("")
     titles(list(axes), [f"{TASKS[task].title}, equal demonstrations", "equal timesteps", TASKS[other_task].title])
@@ -161,8 +186,10 @@ def _curves(rates: pd.DataFrame, ax: Axes) -> None:
     success_axis(ax)
 
 
-def _bars(rates: pd.DataFrame, ax: Axes) -> None:
+def _bars(rates: pd.DataFrame, predicted: pd.DataFrame, ax: Axes) -> None:
     for place, arm in enumerate(ARMS):
+        ax.plot([place] * (predicted.arm == arm).sum(), predicted.predicted[predicted.arm == arm], ls="none",
+                marker="_", ms=10, mew=1.2, color="black", zorder=1)
         for row in rates[rates.arm == arm].itertuples():
             colour = COLOURS[ARMS[arm][0]]
             if pd.isna(row.value):
@@ -200,16 +227,19 @@ WORDS = Words(
     title="What should your fifty demonstrations be?",
     shown=(
         f"Success over a grid of places against the number of demonstrations: (a) all arms with as many, (b) with as "
-        f"many timesteps, in units of {STEPS} (a static demonstration), (c) another task. Static demonstrations grasp "
-        "at five or ten places again and again, or each at a place of its own (random, one a cell of a jittered grid, "
-        f"or a Halton sequence); under MOVE the object arrives at such places. {INTERVALS} "
-        "Question marks are what is not computed yet."),
+        f"many timesteps, in units of {STEPS} (a static demonstration), (c) another task; dashes are what distance "
+        "predicted before any of these runs. Static demonstrations grasp at five or ten places again and again, or "
+        "each at a place of its own (random, one a cell of a jittered grid, or a Halton sequence); under MOVE the "
+        f"object arrives at such places. {INTERVALS} Question marks are what is not computed yet."),
     alt="Curves of success over the number of demonstrations, one a way of placing them.",
     tables={
         "": f"Placements of demonstrations. {RATES}",
         "differences": f"Each placement against five places. {DIFFERENCES}",
         "factors": "How many times the other's episodes an arm needs for the other's success at the middle number of "
                    "episodes, with 95 % intervals.",
-        "predicted": "Success on the other task as predicted from distance before any of these runs, and as it came.",
+        "predicted": "Success on the other task as predicted from distance before any of these runs, the spread of its "
+                     "grasps, and success as it came.",
+        "ranks": "Spearman's correlation of two scores of the data with success on the other task: success predicted "
+                 "from distance, and the standard deviation of the places of the grasps.",
     },
 )

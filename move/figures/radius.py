@@ -24,6 +24,7 @@ from move.figures.plots import distance as plots
 from move.figures.plots.panels import empty_panel
 from move.figures.plots.style import PAGE_WIDTH, titles
 from move.figures.tables import controls, points, rate_table
+from move.figures.tables.ranks import RANKS, ranks
 from move.paper import PAPER_METHODS, PAPER_TASKS
 from move.sim.tasks import TASKS
 from move.statistics import distance, intervals, motion_is_coverage
@@ -47,6 +48,9 @@ DECIDES = "hand anywhere"  # of figures 1, 3 and 5: as in the paper
 ASKED = "window-open"  # of which the paper says most and where least came out
 SEEN = {"rgb": "pixels", "keypoints": "keypoints"}
 FINDINGS = ["setting", "observation", "finding", "estimate", "low", "high", "limit", "answer", "verdict"]
+SCORES = {"distance to what was seen": "predicted", "spread of places": "spread"}
+"""Of the data: the rate predicted from the other cells or tasks, and the standard deviation of the object's places."""
+
 RADII = ["setting", "observation", "factor", "radius", "low", "high", "unit", "farthest", "top", "steepness"]
 
 
@@ -127,7 +131,7 @@ def _tries(result: Result, ceiling: float) -> Tries:
 
 def tables(data: Data) -> dict[str, pd.DataFrame]:
     """What the rule asks, radii, every cell's rate and what it was predicted to be, MOVE minus static, and bins."""
-    findings, radii, cells, leads, ranks = [], [], [], [], []
+    findings, radii, cells, leads, ranked = [], [], [], [], []
     missing = {spec for spec, _ in data.missing}
     lacking = {(_setting(run.labels), run.spec.observation) for run in data.runs if run.spec in missing}
     for (setting, observation), found in data.seen.items():
@@ -139,7 +143,8 @@ def tables(data: Data) -> dict[str, pd.DataFrame]:
                       "limit": one.below, "answer": one.answer, "verdict": verdict} for one in asked]
         radii += [{**named, **row} for row in _radii(found)]
         cells.append(_cells(data, found).assign(**named))
-        ranks += [{**named, **row} for row in _ranks(cells[-1], found.on_grids)]
+        left_out = cells[-1].index.to_numpy() if found.on_grids else cells[-1]["where"].to_numpy()
+        ranked += [{**named, **row} for row in ranks(cells[-1], SCORES, left_out)]
         equal = next(one for one in asked if one.what == motion_is_coverage.EQUAL)
         for compared, (value, low, high) in (("all places", motion_is_coverage.lead(found.tries)),
                                              ("equal distance", (equal.value, equal.low, equal.high))):
@@ -149,7 +154,7 @@ def tables(data: Data) -> dict[str, pd.DataFrame]:
     return {"": pd.DataFrame(findings, columns=FINDINGS), "radii": pd.DataFrame(radii, columns=RADII),
             "cells": whole[[*order, *(name for name in whole if name not in order)]],
             "leads": pd.DataFrame(leads, columns=[*order, "compared", "difference", "low", "high"]),
-            "ranks": pd.DataFrame(ranks, columns=[*order, "score", "correlation", "low", "high", "cells"]),
+            "ranks": pd.DataFrame(ranked, columns=[*order, *RANKS]),
             "distance": _bins(data.seen.get((DECIDES, "rgb")))}
 
 
@@ -193,24 +198,6 @@ def _cells(data: Data, found: Tried) -> pd.DataFrame:
     return rates.assign(spread=spread, predicted=[held.predicted[place[name]] for name in names],
                         without=[held.without[place[name]] for name in names],
                         distance=[np.median(each) for each in own], beyond=[(each > 1).mean() for each in own])
-
-
-def _ranks(cells: pd.DataFrame, on_grids: bool) -> list[dict[str, Any]]:
-    """How well two scores of the data put the cells in the order of their rates: Spearman's correlation.
-
-    One is the rate predicted from the other cells or tasks alone, the other how widely the object's places are spread.
-    Intervals leave out each cell in turn, or over tasks each task.
-    """
-    rows, left_out = [], cells.index.to_numpy() if on_grids else cells["where"].to_numpy()
-    for score, column in (("distance to what was seen", "predicted"), ("spread of places", "spread")):
-        value, low, high = map(float, intervals.jackknife(left_out, partial(_correlation, cells, column)))
-        rows.append({"score": score, "correlation": value, "low": max(low, -1.0), "high": min(high, 1.0),
-                     "cells": len(cells)})
-    return rows
-
-
-def _correlation(cells: pd.DataFrame, column: str, mask: np.ndarray) -> float:
-    return float(cells.loc[mask, column].corr(cells.loc[mask, "value"], method="spearman"))
 
 
 def _bins(found: Tried | None) -> pd.DataFrame:
