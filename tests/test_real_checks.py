@@ -3,6 +3,7 @@
 import dataclasses
 import json
 import shutil
+import warnings
 
 import h5py
 import numpy as np
@@ -313,6 +314,10 @@ def test_what_is_not_finite_is_left_out_and_named(tmp_path):
     assert np.isnan(steps["x_m"]).tolist() == [False, False, True, False, False, False]
     assert coverage_by_method(steps)["visits"].sum() == 5 and len(action_table(data.episodes)) == 7
     assert dict(data.episodes[0].not_finite) == {"joints": 1, "gripper": 1, "action": 2, "state": 2}
+    twice = open_dataset(w.lerobot_v2(tmp_path / "twice", episodes=2, values=lambda n: values))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert outcomes(twice)["no two episodes are equal"] == "differs"
 
 
 def test_a_tool_offset_is_seen(sample):

@@ -165,7 +165,8 @@ def _numbers(episode: RobotEpisode) -> np.ndarray:
     """All numbers that were recorded of an episode's arm, (T, columns); no column where there are none."""
     streams = (episode.state, episode.action, episode.joints, episode.end_effector, episode.gripper)
     return np.hstack([np.empty((episode.timesteps, 0)), *(
-        np.nan_to_num(stream).reshape(episode.timesteps, -1) for stream in streams if stream is not None)])
+        np.nan_to_num(stream, posinf=0.0, neginf=0.0).reshape(episode.timesteps, -1)
+        for stream in streams if stream is not None)])
 
 
 def _equal_videos(episodes: Sequence[RobotEpisode]) -> list[str]:
