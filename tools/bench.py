@@ -200,7 +200,8 @@ def report_command(what: str, arguments: list[str], wanted: str, **variables: st
     process.returncode = os.waitstatus_to_exitcode(status)
     if process.returncode:
         raise subprocess.CalledProcessError(process.returncode, arguments)
-    report(what, f"{used.ru_utime + used.ru_stime:.1f} s", f"{time.monotonic() - began:.0f} s by the clock", None, wanted)
+    took = used.ru_utime + used.ru_stime
+    report(what, f"{took:.1f} s", f"{time.monotonic() - began:.0f} s by the clock", None, wanted)
     return used.ru_maxrss / (1e6 if sys.platform == "darwin" else 1e3)
 
 
@@ -210,7 +211,8 @@ def bench_commands() -> None:
         for name in ("profiles", "results", "notebooks"):
             Path(folder, name).symlink_to(paths.ROOT / name)
         shutil.copytree(paths.ROOT / "paper_figures", Path(folder, "paper_figures"))
-        most = max(report_command(what, [sys.executable, "-m", "move.cli", *arguments], wanted, **{paths.VARIABLE: folder})
+        here = {paths.VARIABLE: folder}
+        most = max(report_command(what, [sys.executable, "-m", "move.cli", *arguments], wanted, **here)
                    for what, arguments, wanted in COMMANDS)
     report("memory, the largest of their processes", f"{most:,.0f} MB", "", None, "<= 1,000 MB")
 
