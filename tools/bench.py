@@ -1,6 +1,6 @@
 """What things cost, in seconds of one core, most against a reference measured in the same run (`make bench`).
 
-    python tools/bench.py [PART ...]       collection, expert, keypoints, drawing, training, commands, memory, tests;
+    python tools/bench.py [PART ...]       commands, collection, expert, keypoints, drawing, training, memory, tests;
                                            by default all, in this order: ten minutes
 
 Seconds are those of processors, of child processes too, so that they hold on a machine that does other things as well.
@@ -206,7 +206,10 @@ def report_command(what: str, arguments: list[str], wanted: str, **variables: st
 
 
 def bench_commands() -> None:
-    """Commands that read what is stored, in a folder of their own, so that no shipped figure is written."""
+    """Commands that read what is stored, in a folder of their own, so that no shipped figure is written.
+
+    First of all parts: a process begins with the memory of the one that starts it.
+    """
     with tempfile.TemporaryDirectory() as folder:
         for name in ("profiles", "results", "notebooks"):
             Path(folder, name).symlink_to(paths.ROOT / name)
@@ -230,8 +233,8 @@ COMMANDS = (
     ("make figures", ["figure", "--stored-only"], "<= 90 s"),
 )
 PARTS: dict[str, Callable[[], None]] = {
-    "collection": bench_collection, "expert": bench_expert, "keypoints": bench_keypoint_run, "drawing": bench_drawing,
-    "training": bench_image_training, "commands": bench_commands, "memory": bench_memory, "tests": bench_tests,
+    "commands": bench_commands, "collection": bench_collection, "expert": bench_expert, "keypoints": bench_keypoint_run,
+    "drawing": bench_drawing, "training": bench_image_training, "memory": bench_memory, "tests": bench_tests,
 }
 DRAWN = ("drawing", "training", "memory")
 
