@@ -194,7 +194,7 @@ def test_places_on_one_line_span_no_part_of_a_table():
     (("nowhere", "--out", "map.jpg"), "out: 'map.jpg' given; allowed is a file that ends in .png"),
     (("nowhere", "--out", "{}/folder.png"), "folder.png is a folder; allowed is the path of a file"),
     (("nowhere", "--out", "{}/other.png"), "other.pdf is a folder; allowed is the path of a file"),
-    (("{}/data", "--within", "0,0,1,1"), "within: '0,0,1,1' given, where none of the "),
+    (("{}/data", "--within", "0,0,1,1"), "within: 0, 0, 1, 1 given, where none of the "),
     (("{}/data", "--units-file", "u.yaml"), "units_file: 'u.yaml' given; "),
 ])
 def test_a_bad_request_is_one_line(tmp_path, capsys, arguments, problem):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any, Optional
+from typing import TYPE_CHECKING, Annotated, Any, Optional
 
 import typer
 
@@ -15,6 +15,12 @@ from move.cli.options import Json, app, examples
 from move.cli.output import show, show_paths
 from move.errors import BadInput
 from move.files import refuse_folder
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from move.sim.configuration import Box
+    from move.statistics.places import Table
 
 
 @app.command(epilog=examples("move coverage build/data/NAME.zarr", "move coverage ~/lerobot/pick --radius 6 --next 20",
@@ -52,21 +58,13 @@ def coverage(
     known = f"{_interval([100 * curve.radii[0] for curve in curves], 1)}, Pick-Place's in simulation, {AT_HOME}"
     if radius is not None:
         curves, known = [replace(curves[0], radii=(radius / 100,))], f"{radius:g}, given"
-    table = statistics.spanned(found.places) if box is None else (
-        (box.low[0] / 100, box.low[1] / 100), (box.high[0] / 100, box.high[1] / 100))
-    if table is None:
-        raise BadInput(f"{data}: all grasps are at one place or on one line, which is no part of a table; allowed: "
-                       "--within x,y,x,y")
-    inside = statistics.inside(found.places, table)
-    if not inside:
-        low, high = 100 * found.places.min(axis=0), 100 * found.places.max(axis=0)
-        raise BadInput(f"within: {within!r} given, where none of the {len(found.places)} grasps is; they lie from "
-                       f"{low[0]:.1f},{low[1]:.1f} to {high[0]:.1f},{high[1]:.1f} cm")
+    table = _part_of_the_table(data, found.places, box)
     new, holes = statistics.next_places(found.seen, table, coming)
     expected = [100 * statistics.expected_success(found.seen, table, curve) / curve.top for curve in curves]
     summary: dict[str, Any] = {
         "data": found.origin, "left out": "; ".join(found.without) or "nothing",
-        "doubts": "; ".join(found.doubts) or "none", "grasps": len(found.places), "grasps in this part": inside,
+        "doubts": "; ".join(found.doubts) or "none", "grasps": len(found.places),
+        "grasps in this part": statistics.inside(found.places, table),
         "places": statistics.in_words(statistics.repetitions(found.places)),
         "part of the table (cm)": ", ".join(f"{100 * value:.1f}" for corner in table for value in corner)
         + " (around these grasps; --within names the part that matters)" * (box is None),
@@ -88,6 +86,28 @@ def coverage(
     show(proposed, False, "Where to put the object next")
     if out is not None:
         show_paths([out.absolute()])
+
+
+def _part_of_the_table(data: str, places: np.ndarray, box: Box | None) -> Table:
+    """The part (m) between the corners of `box` (cm), else the one that the grasps span.
+
+    Raises:
+        BadInput: they span none, or none of them is in the box.
+    """
+    from move.statistics.places import inside, spanned
+
+    if box is None:
+        if (table := spanned(places)) is None:
+            raise BadInput(f"{data}: all grasps are at one place or on one line, which is no part of a table; allowed: "
+                           "--within x,y,x,y")
+        return table
+    given = ((box.low[0] / 100, box.low[1] / 100), (box.high[0] / 100, box.high[1] / 100))
+    if not inside(places, given):
+        low, high = 100 * places.min(axis=0), 100 * places.max(axis=0)
+        corners = ", ".join(f"{value:g}" for value in (*box.low[:2], *box.high[:2]))
+        raise BadInput(f"within: {corners} given, where none of the {len(places)} grasps is; they lie from "
+                       f"{low[0]:.1f},{low[1]:.1f} to {high[0]:.1f},{high[1]:.1f} cm")
+    return given
 
 
 def _interval(values: Sequence[float], digits: int) -> str:
