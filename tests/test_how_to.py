@@ -186,5 +186,7 @@ def test_what_a_commit_adds_is_collected_learnt_and_tried(name, collected, profi
 def test_with_all_commits_every_fast_test_passes_and_no_run_gets_another_hash(tmp_path):
     python = patched(tmp_path / "here", *PAGES)
     python("move.cli", "figure", "fig_patience", "--stored-only")  # and what it writes is committed with it
+    with (tmp_path / "here/notebooks/start.md").open("a", encoding="utf-8") as start:
+        start.write("\n[fig_patience](fig_patience.ipynb)\n")
     subprocess.run(["git", "add", "--all"], cwd=tmp_path / "here", check=True)
     python("pytest", "-q", "-n", 2, "--dist", "loadfile", "--no-loadscope-reorder", "-m", "not slow and not browser")
