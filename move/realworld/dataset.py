@@ -75,9 +75,8 @@ def open_dataset(data: str | Path = hub.REPOSITORY, *, revision: str | None = hu
         root = Path(data)
         plain_text(root.resolve().name, "the folder's own name")
         parts = detect(plain_files(root), root)
-    elif Path(data).exists() or Path(data).parent.is_dir() and str(Path(data).parent) != ".":
-        what = "a file" if Path(data).exists() else "not there"
-        raise BadInput(f"data {str(data)!r} is {what}; allowed is a folder on this machine, or owner/name of the Hub")
+    elif Path(data).exists():
+        raise BadInput(f"data {str(data)!r} is a file; allowed is a folder on this machine, or owner/name of the Hub")
     elif str(data).count("/") == 1 and not Path(data).is_absolute() and not str(data).startswith("."):
         remote = hub.list_remote(str(data), revision, folder, log=log)
         root = remote.folder
