@@ -10,6 +10,7 @@ A part by itself is printed only; the whole is written to paper_figures/bench.md
 from __future__ import annotations
 
 import os
+import resource
 import shutil
 import subprocess
 import sys
@@ -184,39 +185,30 @@ def bench_memory() -> None:
            "<= 1,300 MB")
 
 
-def report_command(what: str, arguments: list[str], wanted: str, **variables: str) -> float:
+def report_command(what: str, arguments: list[str], wanted: str, **variables: str) -> None:
     """Run a command in the repository with more environment variables, and note what it took.
-
-    Returns:
-        The most memory (MB) that it had, or a process that it waited for.
 
     Raises:
         subprocess.CalledProcessError: it failed.
     """
     began = time.monotonic()
-    process = subprocess.Popen(arguments, cwd=paths.ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-                               env={**os.environ, **variables})
-    _, status, used = os.wait4(process.pid, 0)
-    process.returncode = os.waitstatus_to_exitcode(status)
-    if process.returncode:
-        raise subprocess.CalledProcessError(process.returncode, arguments)
-    took = used.ru_utime + used.ru_stime
+    took = seconds(lambda: subprocess.run(arguments, cwd=paths.ROOT, check=True, stdout=subprocess.DEVNULL,
+                                          stderr=subprocess.DEVNULL, env={**os.environ, **variables}))
     report(what, f"{took:.1f} s", f"{time.monotonic() - began:.0f} s by the clock", None, wanted)
-    return used.ru_maxrss / (1e6 if sys.platform == "darwin" else 1e3)
 
 
 def bench_commands() -> None:
     """Commands that read what is stored, in a folder of their own, so that no shipped figure is written.
 
-    First of all parts: a process begins with the memory of the one that starts it.
+    First of all parts: a process begins with the memory of the one that starts it, and others' would count.
     """
     with tempfile.TemporaryDirectory() as folder:
         for name in ("profiles", "results", "notebooks"):
             Path(folder, name).symlink_to(paths.ROOT / name)
         shutil.copytree(paths.ROOT / "paper_figures", Path(folder, "paper_figures"))
-        here = {paths.VARIABLE: folder}
-        most = max(report_command(what, [sys.executable, "-m", "move.cli", *arguments], wanted, **here)
-                   for what, arguments, wanted in COMMANDS)
+        for what, arguments, wanted in COMMANDS:
+            report_command(what, [sys.executable, "-m", "move.cli", *arguments], wanted, **{paths.VARIABLE: folder})
+    most = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / (1e6 if sys.platform == "darwin" else 1e3)
     report("memory, the largest of their processes", f"{most:,.0f} MB", "", None, "<= 1,000 MB")
 
 

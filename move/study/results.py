@@ -56,7 +56,8 @@ class Result:
     @property
     def rate(self) -> float:
         """Success rate over the evaluation episodes that are not training points."""
-        return sum(self.judged) / len(self.judged)
+        judged = self.judged
+        return sum(judged) / len(judged)
 
 
 def store(result: Result, folder: Path) -> Path:

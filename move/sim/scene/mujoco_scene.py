@@ -134,6 +134,9 @@ class MujocoScene(gymnasium.Wrapper):
         self.task, self.grasped, self.scene = task, grasped, self
         self._rng = np.random.default_rng()
         self._bind()
+        names = (self.model, self.data)
+        if task.target and _owner(*names, task.target) == _owner(*names, task.object):
+            raise BadInput(f"target: {task.target!r} given, which is the object's own body; allowed is another one")
 
     def _bind(self) -> None:
         """Look everything up: an environment may compile a new model for each episode."""
@@ -143,8 +146,6 @@ class MujocoScene(gymnasium.Wrapper):
         self._points: dict[str, np.ndarray] = {}  # live views
         self._object: Mover = mover(*names, "object", task.object, task.object_range, task.has_yaw)
         self._target = mover(*names, "target", task.target, task.target_range, False) if task.target else None
-        if task.target and _owner(*names, task.target) == _owner(*names, task.object):
-            raise BadInput(f"target: {task.target!r} given, which is the object's own body; allowed is another one")
         self._camera = Camera(*names, task.camera, task.camera_around) if task.camera else None
         self._moved = False
 
