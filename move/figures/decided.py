@@ -26,10 +26,10 @@ FIRST_SEED = 10
 
 ROTATING: dict[str, Any] = {"task": "assembly", "method": "move", "timesteps": 20_000}
 SPEEDS: dict[str, Any] = {"task": "pick-place", "method": "move", "timesteps": 20_000}
-CASES: dict[str, dict[str, dict[str, Any]]] = {
-    "7": {"MOVE, 20,000": SPEEDS, "static, 50,000": {**SPEEDS, "method": "static", "timesteps": 50_000}},
-    "25": {"Beta": SPEEDS, **{law: {**SPEEDS, "speed_law": law} for law in ("uniform", "constant")}},
-    "26": {"with rotation": ROTATING, "without": {**ROTATING, "moving": ("object", "target", "camera")}},
+CASES: dict[int, dict[str, dict[str, Any]]] = {
+    7: {"MOVE, 20,000": SPEEDS, "static, 50,000": {**SPEEDS, "method": "static", "timesteps": 50_000}},
+    25: {"Beta": SPEEDS, **{law: {**SPEEDS, "speed_law": law} for law in ("uniform", "constant")}},
+    26: {"with rotation": ROTATING, "without": {**ROTATING, "moving": ("object", "target", "camera")}},
 }
 """By number of the claim (`claims.yaml`, whose findings, directions and margins hold): the first is claimed to be above
 the others, or for claim 7 no more than ten points below. Committed before any of these runs."""
@@ -59,7 +59,7 @@ def tables(data: Data) -> dict[str, pd.DataFrame]:
     }
 
 
-def _pairs(claim: str) -> list[tuple[str, str]]:
+def _pairs(claim: int) -> list[tuple[str, str]]:
     first, *others = CASES[claim]
     return [(first, other) for other in others]
 
