@@ -231,6 +231,22 @@ def test_more_seeds_cost_what_all_parts_of_a_seed_have_cost(monkeypatch):
     assert design.evaluation_minutes == pytest.approx(2 * 1.5 * 100 / 50)
 
 
+@pytest.mark.parametrize("stored, decided", [({0, 1, 2, 3}, True), ({0, 1, 2}, False)])
+def test_what_counts_as_a_whole_is_not_decided_before_its_last_run(stored, decided, monkeypatch):
+    runs = [("a", 0), ("a", 1), ("b", 0), ("b", 1)]
+    asked = pd.DataFrame([{"run": place, "variant": variant, "seed": seed, "stored": place in stored, "steps": 1000}
+                          for place, (variant, seed) in enumerate(runs)])
+    rows = asked[asked.stored].drop(columns="stored").merge(
+        pd.DataFrame({"trial": range(50), "group": "", "success": [True, False] * 25}), how="cross")
+    evidence = Evidence(LAPTOP)
+    vars(evidence).update(asked=lambda _: asked, stored=lambda _: {}, episodes=lambda _: rows, _minutes_a_step=0.01)
+    each = data.Quantity(quantity="difference", one={"variant": "a"}, other={"variant": "b"})
+    whole, = QUANTITIES["difference"](evidence, each.model_copy(update={"options": {"whole": True}}), "decided")
+    part, = QUANTITIES["difference"](evidence, each, "decided")
+    assert isinstance(whole, Finding) == decided and isinstance(part, Finding)
+    assert decided or (whole.runs, whole.minutes) == (1, 10.0)
+
+
 @pytest.mark.parametrize("profile, gl", [("laptop-keypoints", True), ("smoke", False), ("paper", True)])
 def test_a_claim_that_a_profile_has_no_runs_for_says_so(profile, gl, tmp_path, monkeypatch):
     monkeypatch.setattr(Profile, "results", property(lambda profile: tmp_path))

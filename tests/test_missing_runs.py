@@ -1,6 +1,7 @@
 """Every figure is drawn, and its paragraph written, where one method's runs are not there, or a profile has few."""
 
 import re
+from types import SimpleNamespace
 
 import cells
 import matplotlib.pyplot as plt
@@ -8,9 +9,10 @@ import pandas as pd
 import pytest
 
 from move.errors import BadInput
-from move.figures import fig_coverage
+from move.figures import decided, fig_coverage
 from move.figures.page.parameters import specs, with_runs
 from move.figures.plots import style
+from move.statistics.training_noise import UNKNOWN
 from move.study.profiles import Profile, load_profile
 
 LAPTOP = load_profile("laptop")
@@ -67,6 +69,17 @@ def test_a_figure_is_drawn_where_only_one_method_is_there(name, alone, figures, 
 def test_what_a_profile_without_images_has_of_a_figure_is_drawn(name, figures):
     made = cells.execute(name, profile="laptop-keypoints")["made"]
     assert "nan" not in made.answer.data and list(figures.glob(f"{name}*"))
+
+
+def test_a_claim_that_is_asked_again_is_shown_once_its_last_run_is_there():
+    runs = decided.runs(LAPTOP, seeds_7=1, seeds_25=1, seeds_26=1)
+    last = next(run.spec for run in runs if run.labels == {"claim": 26, "seed": 10, "variant": "without"})
+    episodes = pd.DataFrame([
+        {**run.labels, "run": run.spec.hash, "method": run.spec.method, "trial": trial, "success": trial % 3 > 0,
+         "group": ""} for run in runs if run.spec != last for trial in range(30)])
+    data = SimpleNamespace(runs=runs, missing=[(last, "not computed yet")], episodes=episodes,
+                           noise=lambda: UNKNOWN)
+    assert [set(table.claim) for table in decided.tables(data).values()] == [{7, 25}] * 2
 
 
 def test_coverage_is_told_where_nothing_has_a_counterpart():

@@ -15,7 +15,7 @@ import pandas as pd
 from move import paper
 from move.claims import collected
 from move.claims.claims import Claim, Quantity, Where
-from move.claims.evidence import Evidence, over_seeds, runs_of
+from move.claims.evidence import Evidence, chosen, over_seeds, runs_of
 from move.realworld.trials import compare
 from move.sim.tasks import TASKS, get_task
 from move.statistics.cells import by_budget, successes
@@ -58,10 +58,11 @@ def rates(evidence: Evidence, each: Quantity, experiment: str, failing: bool) ->
 def _sides(
     evidence: Evidence, each: Quantity, experiment: str, where: Where
 ) -> tuple[pd.DataFrame, pd.DataFrame] | Missing:
-    """The episodes of both sides, or which of their runs are missing."""
+    """The episodes of both sides, or which of their runs are missing; with the option `whole` not even one may be."""
     sides = [{**each.where, **where, **side} for side in (each.one, each.other)]
     one, other = (evidence.rows(experiment, side) for side in sides)
-    lacking = [side for side, rows in zip(sides, (one, other), strict=True) if rows.empty]
+    lacking = [side for side, rows in zip(sides, (one, other), strict=True)
+               if rows.empty or each.options.get("whole") and not chosen(evidence.asked(experiment), side).stored.all()]
     return evidence.missing(each.named(where), experiment, *lacking) if lacking else (one, other)
 
 

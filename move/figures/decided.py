@@ -50,12 +50,16 @@ def runs(
 
 
 def tables(data: Data) -> dict[str, pd.DataFrame]:
-    """Rates, and the first variant of each claim minus the others."""
-    noise = data.noise()
+    """Rates, and the first variant of each claim minus the others; of claims whose runs are all there.
+
+    Looking at a part of them, and again at more, would favour whatever the numbers were when the looking stopped.
+    """
+    missing = {spec.hash for spec, _ in data.missing}
+    begun = {run.labels["claim"] for run in data.runs if run.spec.hash in missing}
+    episodes, noise = data.episodes[~data.episodes.claim.isin(begun)], data.noise()
     return {
-        "": rate_table(data.episodes, BY, noise),
-        "differences": variant_table(
-            data.episodes, ["claim"], "variant", lambda rows: _pairs(rows.claim.iloc[0]), noise),
+        "": rate_table(episodes, BY, noise),
+        "differences": variant_table(episodes, ["claim"], "variant", lambda rows: _pairs(rows.claim.iloc[0]), noise),
     }
 
 
@@ -71,7 +75,7 @@ def pairs() -> pd.DataFrame:
 
 
 def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:
-    """One line a difference; a question mark where none is computed yet."""
+    """One line a difference; a question mark where a run of its claim is missing."""
     figure, ax = plt.subplots(figsize=(COLUMN_WIDTH, 1.8))
     shown = pairs().merge(tables["differences"], how="left", on=["claim", "variant", "baseline"])
     for place, row in enumerate(shown.itertuples()):
@@ -96,7 +100,8 @@ def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
 WORDS = Words(
     title="Claims asked again, with new seeds",
     shown=(f"Differences in success between the two sides of claims that a first look left open: as many new seeds and "
-           f"configurations as the ledger said would decide them. {INTERVALS}"),
+           f"configurations as the ledger said would decide them. A question mark: a run of the claim is missing. "
+           f"{INTERVALS}"),
     alt="One line a difference with its interval.",
     tables={"": f"Claims asked again. {RATES}", "differences": f"Claims asked again. {DIFFERENCES}"},
 )
