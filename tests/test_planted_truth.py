@@ -226,6 +226,7 @@ RATES = {
     "equal_demonstrations": Rates("equal_demonstrations", ("method",), more=budget),
     "fifty_demonstrations": Rates("fifty_demonstrations", ("task",), {"group": "grid"}, "grid", "rgb grid", arm),
     "decided": Rates("decided", (), more=asked_again),
+    "decided_places": Rates("decided_places", ("method",), place="group", noise="rgb grid"),
     "fig_perception": Rates("fig_perception", ("method", "observation"), more=experiment),
     "fig_coverage": Rates("fig_coverage", ("task",), more=moving),
     "radius_cells": Rates("radius", ("method", "observation"), more=reached),
@@ -1737,7 +1738,7 @@ def anywhere(world: World, figure: str, method: str, *places: str, **more: Any) 
 
 
 def around_the_places(world: World) -> Values:
-    near, far = (anywhere(world, "fig1_sparse", "static", place) for place in ("near", "far"))
+    near, far = (anywhere(world, "decided_places", "static", place) for place in ("near", "far"))
     return [("3 cm", near - far), ("fails", 1 - far)]
 
 
@@ -1828,7 +1829,7 @@ CLAIMS: dict[int, Callable[[World], Values]] = {
     10: scaling_points,
     11: around_the_places,
     12: lambda world: [("MOVE", hands_anywhere("fig1_sparse", "grid")(world))],
-    13: lambda world: [("static", anywhere(world, "fig1_sparse", "static", "point"))],
+    13: lambda world: [("static", anywhere(world, "decided_places", "static", "point"))],
     14: lambda world: [(f"{size:,}", 1 - anywhere(world, "few_demonstrations", "static", "point", timesteps=size))
                        for size in (1550, 3900)],
     15: lambda world: [("MOVE", hands_anywhere("fig3_dense", "", timesteps=7000)(world))],

@@ -24,7 +24,7 @@ from move.study.labels import LabelledRun
 from move.study.profiles import Profile
 from move.study.results import Result, hand_start, split, table
 
-ON_A_GRID = ("fig1_sparse", "few_demonstrations", "fig3_dense", "fig5_circle")
+ON_A_GRID = ("fig1_sparse", "few_demonstrations", "fig3_dense", "fig5_circle", "decided_places")
 EPISODE_COLUMNS = ["run", "kind", "task", "method", "observation", "timesteps", "factors", "hand", "seed",
                    "trial", "group", "success", "steps", "object_x", "object_y"]
 

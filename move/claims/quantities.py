@@ -45,8 +45,9 @@ def rates(evidence: Evidence, each: Quantity, experiment: str, failing: bool) ->
     items: list[Item] = []
     for place, where in enumerate(each.repetitions):
         what, rows = each.named(where), evidence.rows(experiment, each.where, each.one, where)
-        if rows.empty:
-            items.append(evidence.missing(what, experiment, {**each.where, **each.one, **where}))
+        asked = {**each.where, **each.one, **where}
+        if _lacks(evidence, each, experiment, rows, asked):
+            items.append(evidence.missing(what, experiment, asked))
             continue
         cells = 1 - successes(rows) if failing else successes(rows)
         found = success_rate(cells, evidence.noise(experiment))
@@ -55,14 +56,20 @@ def rates(evidence: Evidence, each: Quantity, experiment: str, failing: bool) ->
     return items
 
 
+def _lacks(evidence: Evidence, each: Quantity, experiment: str, rows: pd.DataFrame, asked: Where) -> bool:
+    """Whether none of the runs that are asked for is stored; with the option `whole`, whether one is not."""
+    return rows.empty or bool(each.options.get("whole")
+                              and not chosen(evidence.asked(experiment), asked).stored.all())
+
+
 def _sides(
     evidence: Evidence, each: Quantity, experiment: str, where: Where
 ) -> tuple[pd.DataFrame, pd.DataFrame] | Missing:
-    """The episodes of both sides, or which of their runs are missing; with the option `whole` not even one may be."""
+    """The episodes of both sides, or which of their runs are missing."""
     sides = [{**each.where, **where, **side} for side in (each.one, each.other)]
     one, other = (evidence.rows(experiment, side) for side in sides)
     lacking = [side for side, rows in zip(sides, (one, other), strict=True)
-               if rows.empty or each.options.get("whole") and not chosen(evidence.asked(experiment), side).stored.all()]
+               if _lacks(evidence, each, experiment, rows, side)]
     return evidence.missing(each.named(where), experiment, *lacking) if lacking else (one, other)
 
 
@@ -144,7 +151,7 @@ def _mean_factor(factors: Sequence[Efficiency], above: float) -> Finding:
 def near_minus_far(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
     """Success where `one` holds minus that where `other` does, at other places of the same trainings."""
     rows = evidence.rows(experiment, each.where)
-    if rows.empty or rows.seed.nunique() < 3:
+    if rows.seed.nunique() < 3 or _lacks(evidence, each, experiment, rows, each.where):
         return [evidence.missing(each.what, experiment, each.where)]
     near, far = (evidence.rows(experiment, each.where, side).groupby("seed").success.mean()
                  for side in (each.one, each.other))

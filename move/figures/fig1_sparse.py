@@ -75,7 +75,7 @@ def runs(
 
 def grasp_runs(
     profile: Profile, protocol: str, observation: str, hand: str, seeds: int, grid_side: int, timesteps: int,
-    methods: tuple[str, ...] = COMPARED, length: float = HAND_LENGTH,
+    methods: tuple[str, ...] = COMPARED, length: float = HAND_LENGTH, first_seed: int = 0,
 ) -> list[LabelledRun]:
     """Pick-Place with grasp points of `protocol`, tried on a grid and at the points; labels timesteps, hand, length.
 
@@ -90,7 +90,8 @@ def grasp_runs(
     if anywhere:
         base = partial(base, length=length)
     traced = {"move": {"object_steps": TRACED_BACK}} if anywhere else {}
-    return grid(base, timesteps=[timesteps], hand={hand: HANDS[hand]}, length={length: {}}, seed=range(seeds),
+    return grid(base, timesteps=[timesteps], hand={hand: HANDS[hand]}, length={length: {}},
+                seed=range(first_seed, first_seed + seeds),
                 method={method: {"method": method, **traced.get(method, {})} for method in methods})
 
 
