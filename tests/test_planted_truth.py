@@ -1945,6 +1945,13 @@ def test_a_claims_intervals_are_those_of_the_figures_own_table(world, number):
             "table2_main", method=method, observation="rgb")}
 
 
+def test_the_papers_rate_at_nine_places_is_dotted_where_the_whole_space_stands(world):
+    world.show("decided_places")
+    _, ax = world.figures["decided_places"].axes[:2]
+    (dotted,) = (line for line in ax.get_lines() if line.get_linestyle() == ":")
+    assert tick(ax, float(np.mean(dotted.get_xdata()))) == "whole space" and set(dotted.get_ydata()) == {0.295}
+
+
 @pytest.mark.parametrize("number", OF_THE_PAPER)
 def test_what_no_run_decides_has_one_verdict_in_every_world(world, turned, number):
     for there in (world, turned):

@@ -6,13 +6,14 @@ import matplotlib.pyplot as plt
 import pandas as pd
 from matplotlib.figure import Figure
 
+from move import paper
 from move.figures.decided import FIRST_SEED
 from move.figures.fig1_sparse import MAPS, grasp_runs
 from move.figures.page.captions import INTERVALS, RATES, Words
 from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Repeats
 from move.figures.plots import maps
-from move.figures.plots.axes import rate_points, success_axis
+from move.figures.plots.axes import PRINTED, rate_points, success_axis
 from move.figures.plots.panels import empty_panel
 from move.figures.plots.style import COLUMN_WIDTH, titles
 from move.figures.tables import rate_table
@@ -45,6 +46,8 @@ def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:
     maps.seeds_bar(maps.heatmap(data.episodes, axes[0]), [axes[0]], data.episodes.seed.nunique())
     rate_points(range(len(rates)), rates, "static", axes[1])
     axes[1].axhline(0.5, color="black", lw=0.8, ls="--")
+    (printed,) = paper.published("fig1_sparse", method="static").value
+    axes[1].plot([0.7, 1.3], [printed, printed], **PRINTED)
     axes[1].set_xticks(range(len(rates)), [name.replace(" ", "\n", 1) for name in PLACES.values()])
     axes[1].set_xlim(-0.5, len(rates) - 0.5)
     success_axis(axes[1])
@@ -64,7 +67,7 @@ def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
 WORDS = Words(
     title="Static at nine places, with new seeds",
     shown=(f"(a) Static, {MAPS} Rings are the nine grasp points. (b) Success at these points and over the whole space; "
-           f"dashed is half, above which a claim says that a policy succeeds. {INTERVALS}"),
+           f"dashed is half, above which a claim says that a policy succeeds, dotted the paper's value. {INTERVALS}"),
     alt="A map of a space of 30 by 30 cm, coloured by success, and two rates with their intervals.",
     tables={"": f"Static at nine places, with new seeds. {RATES}"},
 )
