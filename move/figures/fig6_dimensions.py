@@ -19,7 +19,6 @@ from move.figures.tables import rate_table
 from move.figures.tables.differences import counts_text, difference_brief, largest, variant_table
 from move.sim.motion.wrappers import movable
 from move.sim.tasks import TASKS, get_task
-from move.statistics.training_noise import UNKNOWN, TrainingNoise
 from move.study.axes import budgets
 from move.study.kinds import policy_run
 from move.study.labels import LabelledRun, grid
@@ -59,17 +58,15 @@ def _moves(task: str, together: bool, alone: bool) -> dict[str, dict[str, Any]]:
 def tables(data: Data) -> dict[str, pd.DataFrame]:
     """Rates, and what each motion brings."""
     noise = data.noise()
-    return {"": rate_table(data.episodes, BY, noise), "steps": step_table(data.episodes, noise)}
+    return {"": rate_table(data.episodes, BY, noise),
+            "steps": variant_table(data.episodes, ["task"], "moves", _pairs, noise)}
 
 
-def step_table(episodes: pd.DataFrame, noise: TrainingNoise = UNKNOWN) -> pd.DataFrame:
-    """Each rung against the one before, and each motion alone against nothing, task by task."""
-    def pairs(group: pd.DataFrame) -> list[tuple[str, str]]:
-        rungs = [name for name in group.moves.unique() if "alone" not in name]
-        return [*zip(rungs[1:], rungs, strict=False),
-                *((name, "nothing") for name in group.moves.unique() if "alone" in name)]
-
-    return variant_table(episodes, ["task"], "moves", pairs, noise)
+def _pairs(episodes: pd.DataFrame) -> list[tuple[str, str]]:
+    """Each rung with the one before, and each motion alone with nothing."""
+    rungs = [name for name in episodes.moves.unique() if "alone" not in name]
+    return [*zip(rungs[1:], rungs, strict=False),
+            *((name, "nothing") for name in episodes.moves.unique() if "alone" in name)]
 
 
 def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:

@@ -18,7 +18,6 @@ from move.figures.plots.style import COLUMN_WIDTH, titles
 from move.figures.tables import rate_table
 from move.figures.tables.differences import difference_text, variant_table
 from move.sim.tasks import TASKS
-from move.statistics.training_noise import UNKNOWN, TrainingNoise
 from move.study.kinds import policy_run
 from move.study.labels import LabelledRun, grid
 from move.study.profiles import Profile
@@ -43,13 +42,9 @@ def runs(
 def tables(data: Data) -> dict[str, pd.DataFrame]:
     """Rates under each law, and each other law against the paper's."""
     noise = data.noise()
-    return {"": rate_table(data.episodes, BY, noise), "others": law_table(data.episodes, noise)}
-
-
-def law_table(episodes: pd.DataFrame, noise: TrainingNoise = UNKNOWN) -> pd.DataFrame:
-    """Each other law of the speeds against the paper's, Beta(2, 5)."""
-    return variant_table(episodes, [], "law", lambda rows: [
-        (law, "beta") for law in rows.law.unique() if law not in ("beta", "static")], noise)
+    return {"": rate_table(data.episodes, BY, noise),
+            "others": variant_table(data.episodes, [], "law", lambda rows: [
+                (law, "beta") for law in rows.law.unique() if law not in ("beta", "static")], noise)}
 
 
 def draw(tables: dict[str, pd.DataFrame], data: Data, *, task: str) -> Figure:

@@ -16,10 +16,8 @@ from move.figures.page.parameters import Count, Observation, Repeats
 from move.figures.plots.panels import seed_dot
 from move.figures.plots.style import PAGE_WIDTH, titles
 from move.figures.tables import rate_table, run_costs, with_paper
-from move.figures.tables.differences import COLUMNS, as_columns, difference_brief, difference_table, with_holm
-from move.statistics.cells import successes, training_noise
+from move.figures.tables.differences import difference_brief, difference_table, variant_table
 from move.statistics.estimates import unpaired_difference
-from move.statistics.training_noise import UNKNOWN, TrainingNoise
 from move.study.kinds import policy_run
 from move.study.labels import LabelledRun, grid
 from move.study.profiles import Profile
@@ -40,25 +38,18 @@ def runs(
 
 def tables(data: Data, *, observation: str) -> dict[str, pd.DataFrame]:
     """Rates, MOVE minus static, what static loses by each factor, and costs."""
-    noise = data.noise(observation)
+    noise, static = data.noise(observation), data.episodes[data.episodes.method == "static"]
     rates = rate_table(data.episodes, ["factors", "method"], noise)
     return {
         "": with_paper(rates, "table1_spatial_factors", on=["factors", "method"]),
         "differences": difference_table(data.episodes, "factors", noise),
-        "lost": factor_table(data.episodes, noise),
+        "lost": variant_table(static, ["method"], "factors", _with_more_random, noise, unpaired_difference),
         "costs": run_costs(data.results),
     }
 
 
-def factor_table(episodes: pd.DataFrame, known: TrainingNoise = UNKNOWN) -> pd.DataFrame:
-    """Static with more random against static with the object alone; other factors, so other configurations."""
-    cells = {factors: successes(rows) for factors, rows in
-             episodes[episodes.method == "static"].groupby("factors", sort=False)}
-    noise = training_noise(episodes, ["factors", "method"], known)
-    rows = [{"method": "static", "factors": more, "baseline": "object",
-             **as_columns(unpaired_difference(cells[more], cells["object"], noise))}
-            for more in cells if "object" in cells and more != "object"]
-    return pd.DataFrame(with_holm(rows), columns=["method", "factors", "baseline", *COLUMNS])
+def _with_more_random(episodes: pd.DataFrame) -> list[tuple[str, str]]:
+    return [(more, "object") for more in episodes.factors.unique() if more != "object"]
 
 
 def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:

@@ -93,7 +93,7 @@ def _pairs(episodes: pd.DataFrame, by: str, other: str) -> list[tuple[object, Pa
 
 def variant_table(
     episodes: pd.DataFrame, by: list[str], column: str, pairs: Callable[[pd.DataFrame], Iterable[tuple]],
-    known: TrainingNoise = UNKNOWN,
+    known: TrainingNoise = UNKNOWN, compare: Callable[..., Estimate] = difference,
 ) -> pd.DataFrame:
     """Variants of one method against each other: a row a pair of values of `column` that are there, for each of `by`.
 
@@ -102,6 +102,7 @@ def variant_table(
 
     Args:
         pairs: takes the episodes of a group of `by`.
+        compare: `difference`, paired by configuration, or `unpaired_difference` where the variants have other ones.
     """
     rows: list[dict] = []
     for key, group in episodes.groupby(by, sort=False) if by else [((), episodes)]:
@@ -109,7 +110,7 @@ def variant_table(
         noise = training_noise(group, [column, "method"], known)
         rows += with_holm([
             {**dict(zip(by, key, strict=True)), column: one, "baseline": other,
-             **as_columns(difference(cells[one], cells[other], noise))}
+             **as_columns(compare(cells[one], cells[other], noise))}
             for one, other in pairs(group) if {one, other} <= set(cells)])
     return pd.DataFrame(rows, columns=[*by, column, "baseline", *COLUMNS])
 
