@@ -33,6 +33,8 @@ from move.study.profiles import Profile
 
 REPEATED = True
 COMPARED = ("static", "move")
+PRELIMINARY = {"figure 1": "sparse", "figure 3": "dense", "figure 5": "circle"}
+"""Figures over grasp points, and how these are placed."""
 TRACED_BACK = 35  # steps before its grasp from which MOVE's object comes, as in the authors' code
 HAND_LENGTH = 1.0
 """Gradient steps of figures 1, 3 and 5 where the hand starts anywhere, as a multiple of the recipe's; for both methods.

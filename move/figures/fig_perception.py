@@ -7,7 +7,8 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from move.figures import fig1_sparse, fig3_dense, fig5_circle, plots, table1_spatial_factors
+from move.figures import plots, table1_spatial_factors
+from move.figures.fig1_sparse import PRELIMINARY, grasp_runs
 from move.figures.page.captions import DIFFERENCES, INTERVALS, RATES, Words
 from move.figures.page.data import Data
 from move.figures.page.parameters import Count, Observation, Repeats
@@ -19,7 +20,6 @@ from move.study.labels import LabelledRun
 from move.study.profiles import Profile
 
 REPEATED = True
-PRELIMINARY = {"figure 1": fig1_sparse, "figure 3": fig3_dense, "figure 5": fig5_circle}
 BY = ["observation", "experiment", "method"]
 
 
@@ -33,12 +33,9 @@ def runs(
     """
     runs: list[LabelledRun] = []
     for observation in observations:
-        for name, figure in PRELIMINARY.items():
-            budget = (timesteps,) if figure is fig3_dense else timesteps
-            alone = {"lengths": ()} if figure is fig1_sparse else {}
-            runs += [run.labelled(experiment=name) for run in figure.runs(
-                profile, observation=observation, timesteps=budget, seeds=seeds, near_hands=0, identical_starts=0,
-                grid_side=grid_side, **alone)]
+        for name, protocol in PRELIMINARY.items():
+            runs += [run.labelled(experiment=name) for run in grasp_runs(
+                profile, protocol, observation, "anywhere", seeds, grid_side, timesteps)]
         runs += [run.labelled(experiment=f"table 1, {run.labels['factors']}") for run in table1_spatial_factors.runs(
             profile, observation=observation, timesteps=table_timesteps, seeds=seeds, episodes=episodes)]
     return runs

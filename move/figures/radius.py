@@ -15,7 +15,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from move.errors import BadInput
-from move.figures import fig1_sparse, fig3_dense, fig5_circle
+from move.figures.fig1_sparse import PRELIMINARY, grasp_runs
 from move.figures.page.captions import INTERVALS, RATES, Words
 from move.figures.page.data import Data
 from move.figures.page.make import steps
@@ -38,7 +38,6 @@ from move.study.spec import PolicyRun
 
 SIMULATES = True
 
-FIGURES = {"figure 1": fig1_sparse, "figure 3": fig3_dense, "figure 5": fig5_circle}
 TEN = "ten tasks"
 NOWHERE = 10.0  # metres or radians: no scene is as large
 INCOMPLETE = "not decided yet: runs are missing"
@@ -66,13 +65,14 @@ def runs(
     """
     found: list[LabelledRun] = []
     for observation in observations:
-        near, alike = (near_hands, identical_starts) if observation == "rgb" else (0, 0)
-        for name, figure in FIGURES.items():
-            more: dict[str, Any] = {"lengths": ()} if figure is fig1_sparse else {}
-            found += [run.labelled(experiment=name) for run in figure.runs(
-                profile, observation=observation, timesteps=(timesteps,) if figure is fig3_dense else timesteps,
-                seeds=seeds, near_hands=near, identical_starts=alike, grid_side=grid_side,
-                earlier_grid_side=earlier_grid_side, **more)]
+        hands = {"anywhere": (seeds, grid_side)}
+        if observation == "rgb":
+            hands |= {"within 3 cm": (near_hands, earlier_grid_side),
+                      "one place": (identical_starts, earlier_grid_side)}
+        for name, protocol in PRELIMINARY.items():
+            for hand, (repeats, side) in hands.items():
+                found += [run.labelled(experiment=name) for run in grasp_runs(
+                    profile, protocol, observation, hand, repeats, side, timesteps)]
         found += [run.labelled(experiment=TEN) for run in grid(
             partial(policy_run, profile, observation=observation, episodes=episodes), seed=range(table_seeds),
             task=budgets(tasks, most_timesteps), method=PAPER_METHODS)]
