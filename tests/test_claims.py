@@ -113,18 +113,20 @@ def test_what_would_decide_it_gets_cheaper_with_distance_and_is_as_precise_as_it
     assert undecided.needed.startswith("a: ") and not Finding("a", 0.3, 0.2, 0.4, design=design).needed
 
 
-def test_what_is_missing_costs_what_runs_from_pixels_like_it_have_cost(monkeypatch):
+def test_what_is_missing_costs_what_runs_from_pixels_like_it_have_cost_and_what_only_collects_its_collection():
     def made(observation, minutes, steps):
         return SimpleNamespace(seconds={"collect": 30.0, "train": 60 * minutes - 30.0}, spec=SimpleNamespace(
             observation=observation, training=SimpleNamespace(gradient_steps=steps)))
 
     evidence = Evidence(LAPTOP)
-    evidence.stored = lambda _: dict(enumerate([
-        made("rgb", 10, 1000), made("rgb", 30, 2000), made("keypoints", 1, 5000), made("rgb", 9, 300),
-        made("keypoints", 1, 5000)]))
-    evidence.asked = lambda _: pd.DataFrame({"run": list("abb"), "steps": [2000, 4000, 4000], "stored": False})
-    missing = evidence.missing("three of them", "table2_main", {})
-    assert (missing.runs, missing.minutes) == (2, pytest.approx(6000 * 30 / 2000))
+    stored = {"table2_main": [made("rgb", 10, 1000), made("rgb", 30, 2000), made("keypoints", 1, 5000),
+                              made("rgb", 9, 300), made("keypoints", 1, 5000)],
+              "table6_collection": [SimpleNamespace(seconds={"collect": 60.0 * minutes}) for minutes in (1, 3, 20)]}
+    evidence.stored = lambda experiment: dict(enumerate(stored[experiment]))
+    evidence.asked = lambda _: pd.DataFrame({
+        "run": list("abbcd"), "steps": [2000, 4000, 4000, 0, 700], "stored": [False] * 4 + [True], "task": "push"})
+    missing = evidence.missing("three of them", "table2_main", {"task": "push"})
+    assert (missing.runs, missing.minutes) == (3, pytest.approx(6000 * 30 / 2000 + 3.0))
 
 
 def test_the_claims_are_data_and_each_names_a_figure_and_quantities_that_exist():
@@ -191,30 +193,11 @@ def test_episodes_over_a_grid_know_how_far_the_nearest_grasp_point_is_and_the_ci
     assert len(chosen(found, {"group": ["grid", "point"], "not a column": 1})) == 3
 
 
-def test_a_claim_without_runs_says_what_it_would_cost(tmp_path, monkeypatch):
-    monkeypatch.setattr(Profile, "results", property(lambda profile: tmp_path))
-    evidence = Evidence(LAPTOP)
-    asked = [item for each in claims() if each.figure in parameters.with_runs() for item in findings(each, evidence)]
-    missing = [item for item in asked if isinstance(item, Missing)]
-    assert len(missing) > 20 and all(item.runs > 0 for item in missing)
-    assert not [item for item in asked if isinstance(item, Finding)]
-
-
 def test_the_papers_value_of_several_things_is_the_mean_of_its_values():
     several = [SimpleNamespace(value=value, low=value - 0.1, high=value + 0.1, paper=paper_value)
                for value, paper_value in ((0.2, 0.1), (0.4, 0.5), (0.3, 0.9))]
     mean = ledger._mean(several)
     assert (mean["value"], mean["paper"]) == pytest.approx((0.3, 0.5)) and mean["low"] < 0.3 < mean["high"]
-
-
-def test_what_is_missing_costs_its_steps_and_what_only_collects_its_collection(monkeypatch):
-    asked = pd.DataFrame({"run": ["a", "b", "c", "d"], "stored": [False, False, False, True],
-                          "steps": [1000, 500, 0, 700], "task": "push"})
-    evidence = Evidence(LAPTOP)
-    monkeypatch.setattr(evidence, "asked", lambda experiment: asked)
-    vars(evidence).update(_minutes_a_step=0.01, _minutes_without_training=3.0)
-    found = evidence.missing("it", "table2_main", {"task": "push"})
-    assert (found.runs, found.minutes) == (3, pytest.approx(1500 * 0.01 + 3.0))
 
 
 def test_more_seeds_cost_what_all_parts_of_a_seed_have_cost(monkeypatch):
@@ -247,7 +230,8 @@ def test_what_counts_as_a_whole_is_not_decided_before_its_last_run(stored, decid
     assert decided or (whole.runs, whole.minutes) == (1, 10.0)
 
 
-@pytest.mark.parametrize("profile, gl", [("laptop-keypoints", True), ("smoke", False), ("paper", True)])
+@pytest.mark.parametrize("profile, gl", [("laptop", True), ("laptop-keypoints", True), ("smoke", False),
+                                         ("paper", True)])
 def test_a_claim_that_a_profile_has_no_runs_for_says_so(profile, gl, tmp_path, monkeypatch):
     monkeypatch.setattr(Profile, "results", property(lambda profile: tmp_path))
     monkeypatch.setattr("move.study.profiles.gl_problem", lambda: None if gl else "no GL")
@@ -259,6 +243,7 @@ def test_a_claim_that_a_profile_has_no_runs_for_says_so(profile, gl, tmp_path, m
             assert all(isinstance(item, Missing) for item in items), each
             said = [f"(profile {profile} has no runs for it)" in item.what for item in items]
             assert said == [item.runs == 0 for item in items] and (all(said) or not none), each
+            assert profile != "laptop" or not any(said), each
 
 
 def test_the_robots_numbers_are_the_papers_thirty_trials_and_one_exact_test():
