@@ -55,19 +55,13 @@ def test_the_executed_copy_lies_under_build_and_the_profile_is_a_parameter(start
 
 
 def test_a_readers_changes_come_after_the_profiles_own_parameters(start):
+    """As lists, for papermill writes a tuple as a text."""
     starts = Starts(3)
-    start(starts, "table1_spatial_factors", changes={"seeds": 4}, stored_only=True)
+    start(starts, "few_demonstrations", changes={"seeds": 4}, stored_only=True)
     (one,) = starts.started
-    own = parameters.parameters("table1_spatial_factors", SMOKE)
-    given = {**own, "seeds": 4, "profile": "smoke"}
-    assert one["parameters"] == {key: list(value) if isinstance(value, tuple) else value
-                                 for key, value in given.items()} and own["seeds"] != 4
-
-
-def test_a_list_is_a_list_in_the_kernel(start):
-    starts = Starts(3)
-    start(starts, "statistics")
-    assert starts.started[0]["parameters"]["seeds"] == [1, 2, 3, 5]  # papermill writes a tuple as a text
+    own = parameters.parameters("few_demonstrations", SMOKE)
+    given = {**own, "seeds": 4, "timesteps": list(own["timesteps"]), "profile": "smoke"}
+    assert one["parameters"] == given and own["seeds"] != 4
 
 
 @pytest.mark.parametrize("stored_only", [True, False])
