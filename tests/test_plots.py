@@ -190,14 +190,6 @@ def test_no_interval_of_a_share_leaves_0_and_1():
     assert ends.get_segments()[0][:, 1].tolist() == pytest.approx([low, high])
 
 
-@pytest.mark.parametrize("method", METHODS)
-def test_coverage_is_drawn_where_the_object_was(method):
-    seen = pd.DataFrame({"method": method, "object_x": [0.1, 0.2], "object_y": [0.6, 0.7]})
-    ax = draw(maps.coverage, seen, "object", (0.0, 0.5, 0.0), (0.3, 0.8, 0.0))
-    (dots,) = ax.get_lines()
-    assert to_hex(dots.get_color()) == COLOUR[method] and dots.get_xdata() == pytest.approx([10, 20])
-
-
 def grid(seeds: int = 5) -> pd.DataFrame:
     """Cell k of a row of cells succeeds with k seeds; one grasp point that every seed grasps."""
     cells = [{"group": "grid", "object_x": 0.1 * cell, "object_y": y, "seed": seed, "success": seed < cell}
