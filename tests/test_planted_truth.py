@@ -1060,14 +1060,17 @@ def test_a_map_shows_each_place_of_its_own_method(world, figure, group, method):
         assert grasped in over
 
 
-def test_static_is_a_level_in_its_colour_over_every_speed_of_its_task(world):
+def test_static_is_a_level_in_its_colour_in_a_band_that_is_its_interval_over_every_speed_of_its_task(world):
     rows = [row for row in rows_of(world, "fig7_speed") if row["part"] == "nothing"]
     for row in rows:
         for ax in panels(world, "fig7_speed", f"{TITLES[row['task']]}, "):
             levels = [line for line in ax.get_lines() if line.get_linestyle() == "--"]
             if drawn(ax):
                 assert [float(line.get_ydata()[0]) for line in levels] == pytest.approx([row["value"]], abs=ROUNDED)
-                assert to_hex(levels[0].get_color()) == COLOURS["static"]
+                (band,) = ax.patches
+                ends = band.get_y(), band.get_y() + band.get_height()
+                assert ends == pytest.approx((row["low"], row["high"]), abs=ROUNDED)
+                assert {to_hex(levels[0].get_color()), to_hex(band.get_facecolor())} == {COLOURS["static"]}
 
 
 def test_ceiling_and_floor_stand_over_each_task_and_over_the_budgets(world):

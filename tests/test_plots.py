@@ -79,17 +79,6 @@ def test_a_curve_may_show_a_dot_a_seed():
     assert [one[0, 0] for one in dots] == pytest.approx([100, 200], abs=3)
 
 
-@pytest.mark.parametrize("method", METHODS)
-def test_a_reference_is_a_dashed_line_in_its_methods_colour_in_a_band_that_is_its_interval(method):
-    rate = next(row for row in rows().itertuples() if row.method == method)
-    ax = draw(plots.reference, rate)
-    (line,), (band,), entry = ax.get_lines(), ax.patches, plots.reference_entry(method)
-    assert list(line.get_ydata()) == [VALUE[method]] * 2 and line.get_linestyle() == entry.get_linestyle() == "--"
-    assert (band.get_y(), band.get_height()) == pytest.approx((VALUE[method] - 0.1, 0.2))
-    assert {to_hex(line.get_color()), to_hex(band.get_facecolor()), to_hex(entry.get_color())} == {COLOUR[method]}
-    assert entry.get_label() == NAME[method]
-
-
 def test_every_bar_has_a_dot_a_seed():
     table = rows(where="here").assign(seeds=[[0.1, 0.3], [0.5], [0.7, 0.8, 0.9]])
     for ax in (draw(plots.grouped_rates, table, "where", ["here"]),
@@ -225,17 +214,6 @@ def test_a_map_of_the_difference_is_in_the_colour_of_the_method_that_is_ahead():
     assert len({to_hex(mesh.cmap(mesh.norm(count / 2))) for count in range(-2, 3)}) == 5 == mesh.cmap.N
     maps.seeds_bar(mesh, [ax], 2, -2, "more")
     assert [tick.get_text() for tick in figure.axes[1].get_yticklabels()] == ["\u22122", "\u22121", "0", "+1", "+2"]
-
-
-def test_names_of_lines_are_kept_apart_in_their_order_and_moved_no_further_than_need_be():
-    table = pd.concat([rows(task=task, moves="all").assign(value=value, low=0, high=1, joint=0.5) for task, value in
-                       (("push", 0.30), ("hammer", 0.31), ("assembly", 0.8))]).query("method == 'move'")
-    _, ax = plt.subplots()
-    plots.covered(table, "joint", ax, named=True)
-    placed = {text.get_text(): text.get_position()[1] for text in ax.texts}
-    assert list(placed) == ["Push", "Hammer", "Assembly"] and placed["Assembly"] == pytest.approx(0.8)
-    assert placed["Hammer"] - placed["Push"] == pytest.approx(0.07)
-    assert placed["Hammer"] + placed["Push"] == pytest.approx(0.61)
 
 
 def test_frames_stand_apart_with_their_labels():
