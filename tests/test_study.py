@@ -8,7 +8,6 @@ import stat
 import subprocess
 
 import numpy as np
-import pandas as pd
 import pytest
 from pydantic import ValidationError
 from recipes import tiny, tiny_run
@@ -535,22 +534,3 @@ def test_a_result_is_read_again_where_its_file_changed_and_not_otherwise(stored,
     path.write_text(path.read_text().replace('"collection":', '"collection" :'))
     with pytest.raises(BadInput, match="does not fit its digest"):
         results.read(path)
-
-
-def test_a_table_has_each_column_as_one_frame_a_result_would_give_it():
-    one = of_episodes(tiny_run(), {"length": 1, "x": None}, [True, False], held=[True, True])
-    two = of_episodes(tiny_run(seed=1), {"length": 0.5, "x": "a"}, [True])
-    three = of_episodes(tiny_run(seed=2), {"length": True, "x": None}, [False], held=[False])
-    for order in ([one, two, three], [two, two, one], [three, one], [one, one]):
-        slow = pd.concat([
-            pd.DataFrame(result.rows).assign(**result.labels).assign(
-                run=result.spec.hash, kind="policy", task="pick-place", method="static", observation="keypoints",
-                timesteps=100, factors="all", hand_spread=0.0, hand="anywhere", seed=result.spec.seed)
-            for result in order], ignore_index=True)
-        pd.testing.assert_frame_equal(results.table(order), slow)
-
-
-def of_episodes(spec, labels, outcomes, **columns):
-    rows = [{"trial": number, "success": outcome, **{name: column[number] for name, column in columns.items()}}
-            for number, outcome in enumerate(outcomes)]
-    return results.Result(spec, rows, None, None, {}, {}, labels)

@@ -11,7 +11,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
-from itertools import count, groupby, repeat
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -193,17 +193,11 @@ def table(results: list[Result]) -> pd.DataFrame:
     Raises:
         BadInput: a label that has the name of an episode's own column.
     """
-    parts = [(result.rows, list(result.rows[0]), _of_the_run(result)) for result in results]
-    alike = groupby(parts, lambda part: (part[1], [(name, type(value)) for name, value in part[2].items()]))
-    frames = [pd.DataFrame(_columns(columns, list(same))) for (columns, _), same in alike]
-    return pd.concat(frames, ignore_index=True) if frames else pd.DataFrame()
-
-
-def _columns(columns: list[str], parts: list[tuple[list[dict], list[str], dict[str, Any]]]) -> dict[str, list]:
-    """The columns of results whose episodes have the same ones, and whose runs have the same, of the same types."""
-    episodes = {name: [row[name] for rows, _, _ in parts for row in rows] for name in columns}
-    return episodes | {name: [value for rows, _, run in parts for value in repeat(run[name], len(rows))]
-                       for name in parts[0][2]}
+    rows: list[dict[str, Any]] = []
+    for result in results:
+        shared = _of_the_run(result)
+        rows += [row | shared for row in result.rows]
+    return pd.DataFrame(rows)
 
 
 def _of_the_run(result: Result) -> dict[str, Any]:
