@@ -30,7 +30,7 @@ from move.sim.motion.adc import Jumping
 from move.sim.observe import KEYPOINTS, ObservationSpec
 from move.sim.tasks import get_task
 from move.study.provenance import provenance, source
-from move.study.results import Result, load, store
+from move.study.results import Result, split, store
 from move.study.seals import seal
 from move.study.spec import RESULTS_VERSION, CollectionRun, ControlRun, PolicyRun, RunSpec
 
@@ -158,19 +158,13 @@ def _set_aside(checkpoint: Path) -> None:
     checkpoint.rename(aside)
 
 
-def _is_stored(spec: RunSpec, folder: Path) -> bool:
-    try:
-        return load(spec, folder) is not None
-    except BadInput:
-        return False
-
-
 def run_and_report(spec: RunSpec, folder: Path) -> str:
     """`run` for a worker process, unless it is stored already; returns the hash.
 
     Progress goes to a small file that the parent reads.
     """
-    if _is_stored(spec, folder):
+    there, _ = split([spec], folder)
+    if there:
         return spec.hash
     place = RUNS / spec.hash
     place.mkdir(parents=True, exist_ok=True)
