@@ -16,7 +16,7 @@ from move import paths
 from move.errors import BadInput
 from move.files import written_aside
 from move.learn.agents import Agent, PolicyAgent, Recorded
-from move.learn.checkpoint import Checkpoint, policy_of, read
+from move.learn.checkpoint import load_policy
 from move.learn.diffusion import DiffusionPolicy
 from move.study.profiles import Profile
 from move.study.results import find
@@ -44,7 +44,8 @@ def trained_policy(spec: RunSpec, profile: Profile) -> DiffusionPolicy:
         BadInput: it is neither shipped nor left by a run on this machine, or damaged, or of another run.
     """
     if folder := folder_of(spec, profile):
-        return policy_of(sealed(spec, folder))
+        refuse_another(spec, folder)
+        return load_policy(folder)
     raise BadInput(f"{spec.label}: its policy is not shipped; delete {profile.results / spec.hash}.json and "
                    "give `move run` again to train it here")
 
@@ -59,18 +60,6 @@ def of_run(name: str, profile: Profile) -> tuple[PolicyRun, DiffusionPolicy]:
     if not isinstance(spec, PolicyRun):
         raise BadInput(f"run: {name} given, a {spec.kind}; allowed are runs that trained a policy")
     return spec, trained_policy(spec, profile)
-
-
-def sealed(spec: RunSpec, folder: Path) -> Checkpoint:
-    """What a folder holds as the finished policy of the run `spec`.
-
-    Raises:
-        BadInput: what `refuse_another` refuses, or a damaged checkpoint.
-    """
-    refuse_another(spec, folder)
-    saved = read(folder)
-    assert saved is not None
-    return saved
 
 
 def acting(spec: RunSpec, profile: Profile) -> Callable[[int], Agent]:
