@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import isotonic_regression
 
-from move.statistics.data_efficiency import Efficiency, data_efficiency, isotonic, needed
+from move.statistics.data_efficiency import data_efficiency, isotonic, needed
 from move.statistics.training_noise import TrainingNoise
 
 BUDGETS = (5000, 10_000, 20_000, 40_000)
@@ -44,8 +44,6 @@ def test_the_p_value_agrees_with_the_interval():
     values = [found.p_value(1.0) for found in rising]
     assert values == sorted(values, reverse=True) and values[0] > 0.5 and values[-1] < 0.05
     assert [value < 0.05 for value in values] == [found.low > 1 for found in rising]
-    with pytest.raises(ValueError, match="no resample is kept"):
-        Efficiency(2.0, 1.5, 3.0, 0.25, 2.0).p_value(1.0)
 
 
 def test_a_level_that_static_has_from_the_start_is_at_most_its_smallest_budget():

@@ -44,13 +44,7 @@ class Efficiency:
         return ratio if ratio <= self.most or self.most >= above else self.most
 
     def p_value(self, above: float) -> float:
-        """Twice the share of resamples that are not surely above a number, one resample at the least.
-
-        Raises:
-            ValueError: the resamples were not kept.
-        """
-        if not len(self.draws):
-            raise ValueError("p_value: no resample is kept; allowed is one or more")
+        """Twice the share of resamples that are not surely above a number, one resample at the least."""
         sure = np.where((self.draws <= self.most) | (self.most >= above), self.draws, self.most)
         return min(1.0, 2 * max(int((sure <= above).sum()), 1) / len(self.draws))
 
