@@ -4,10 +4,7 @@ import io
 import multiprocessing
 import os
 import re
-import signal
-import subprocess
 import sys
-import threading
 import time
 from html.parser import HTMLParser
 from pathlib import Path
@@ -17,6 +14,7 @@ from zipfile import ZipFile
 import nbformat
 import pandas as pd
 import pytest
+from nbclient.exceptions import CellTimeoutError, DeadKernelError
 from nbformat.v4 import new_code_cell, new_notebook, new_output
 from PIL import Image
 
@@ -237,24 +235,20 @@ def test_a_notebook_that_fails_costs_its_own_copy_alone(monkeypatch, capsys):
     assert "(1 of 2)" in said and "(2 of 2)" in said and "claims" not in said
 
 
-def test_a_kernel_that_waits_for_nothing_is_ended_and_one_that_computes_is_not(monkeypatch):
-    monkeypatch.setattr(executed_notebooks, "LOOK", 0.2)
-    monkeypatch.setattr(executed_notebooks, "STALLED", 1.0)
-    monkeypatch.setattr(executed_notebooks, "AT_WORK", 0.02)
-    waiting = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(300)"])
-    computing = subprocess.Popen([sys.executable, "-c", "while True: pass"])
-    done = threading.Event()
-    watch = threading.Thread(target=executed_notebooks.end_stalled_kernels, args=[done])
-    watch.start()
-    try:
-        assert waiting.wait(timeout=120) == -signal.SIGKILL
-        assert computing.poll() is None
-    finally:
-        done.set()
-        watch.join()
-        for process in (waiting, computing):
-            process.kill()
-            process.wait()
+@pytest.mark.parametrize("lost", [CellTimeoutError, DeadKernelError])
+def test_a_notebook_whose_kernel_dies_or_never_answers_is_executed_again(lost, tmp_path, monkeypatch):
+    given = []
+
+    def execute_notebook(*arguments, **options):
+        given.append(options["execution_timeout"])
+        if len(given) == 1:
+            raise lost("gone")
+        return new_notebook()
+
+    monkeypatch.setattr(executed_notebooks, "EXECUTED", tmp_path)
+    monkeypatch.setattr(executed_notebooks.papermill, "execute_notebook", execute_notebook)
+    assert executed_notebooks.executed_copy(tmp_path / "a.ipynb") == new_notebook()
+    assert given == [executed_notebooks.PATIENCE] * 2
 
 
 def test_the_answer_is_a_table_with_a_row_a_part_and_nothing_of_the_live_page():

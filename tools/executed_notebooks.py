@@ -8,16 +8,13 @@ from __future__ import annotations
 
 import os
 import sys
-import threading
-import time
 from concurrent.futures import ThreadPoolExecutor
 from itertools import count
 from pathlib import Path
 
 import nbformat
 import papermill
-import psutil
-from nbclient.exceptions import DeadKernelError
+from nbclient.exceptions import CellTimeoutError, DeadKernelError
 from nbformat import NotebookNode
 
 from move import paths
@@ -27,8 +24,7 @@ from move.study.profiles import load_profile
 PROFILE = load_profile("laptop")
 EXECUTED = paths.BUILD / "site-notebooks"
 TRIES = 2  # a cell's reply can be lost on the way; then its kernel is ended and the notebook executed again
-STALLED, AT_WORK = 180.0, 0.5  # seconds of waiting within which a kernel that computes uses at least so many of a core
-LOOK = 5.0  # seconds between two looks at that
+PATIENCE = 900  # seconds that a cell may take: from stored results none takes a tenth of that
 
 
 def executed_copies(notebooks: list[Path]) -> dict[Path, NotebookNode | str]:
@@ -45,11 +41,8 @@ def executed_copies(notebooks: list[Path]) -> dict[Path, NotebookNode | str]:
         except Exception as problem:  # of whatever kind: its page says it, and the others go on
             return f"{path.stem}: {type(problem).__name__}: {' '.join(str(problem).split())[-300:]}"
 
-    done = threading.Event()
-    threading.Thread(target=end_stalled_kernels, args=[done], daemon=True).start()
     with ThreadPoolExecutor(os.cpu_count() or 1) as pool:  # each notebook has a process of its own
         executed = dict(zip(lacking, pool.map(execute, lacking), strict=True))
-    done.set()
     return {path: executed[path] if copy is None else copy for path, copy in found.items()}
 
 
@@ -68,37 +61,18 @@ def executed_copy(path: Path) -> NotebookNode:
     """A notebook executed now, as it would be opened, from stored results alone; the copy stays under build/.
 
     Raises:
-        RuntimeError: its kernel died or stalled as often as it was tried.
+        RuntimeError: its kernel died or did not answer as often as it was tried.
     """
     EXECUTED.mkdir(parents=True, exist_ok=True)
     for _ in range(TRIES):
         try:
             done = papermill.execute_notebook(path, EXECUTED / path.name, kernel_name="python3", progress_bar=False,
-                                              cwd=path.parent)
-        except DeadKernelError:
+                                              cwd=path.parent, execution_timeout=PATIENCE)
+        except (DeadKernelError, CellTimeoutError):
             continue
         if all(cell.execution_count for cell in done.cells if cell.cell_type == "code" and cell.source):
             return done
-    raise RuntimeError(f"its kernel died or stalled {TRIES} times")
-
-
-def end_stalled_kernels(done: threading.Event) -> None:
-    """Watch the processes that this one started until `done`, and end those that wait for what never comes.
-
-    What is bounded is how long nothing happens, not how long a cell computes.
-    """
-    busy: dict[int, tuple[float, float]] = {}  # process -> when it was last seen at work, its seconds of a core then
-    while not done.wait(LOOK):
-        for child in psutil.Process().children():
-            try:
-                used = sum(sum(one.cpu_times()[:2]) for one in (child, *child.children(recursive=True)))
-            except psutil.NoSuchProcess:
-                continue
-            since, before = busy.setdefault(child.pid, (time.monotonic(), used))
-            if used - before > AT_WORK:
-                busy[child.pid] = time.monotonic(), used
-            elif time.monotonic() - since > STALLED:
-                child.kill()
+    raise RuntimeError(f"its kernel died or did not answer {TRIES} times")
 
 
 def read_copy(path: Path) -> NotebookNode | None:
