@@ -11,7 +11,6 @@ import html
 import json
 import shutil
 from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +24,7 @@ from record_atlas import EVALUATION, EVERY, METHODS, PLACES, SIDE, filmed_runs
 from move import paths
 from move.errors import BadInput
 from move.figures.page import parameters
+from move.figures.page.data import load_or_run
 from move.figures.plots.film import Where, marked, rings, taken, where
 from move.figures.plots.style import NAMES
 from move.files import written_aside
@@ -39,7 +39,6 @@ from move.sim.tasks import get_task
 from move.study import policies
 from move.study.profiles import Profile
 from move.study.provenance import deciding
-from move.study.results import split, table
 
 MADE = paths.BUILD / "site-atlas"
 SIZE, STRIDE, COLUMNS, QUALITY = 192, 3, 8, 60  # pixels of a frame, timesteps between two, frames a row, of WebP
@@ -142,9 +141,7 @@ def film(method: str, number: int, actions: np.ndarray, start: Start) -> dict[st
 def shares(profile: Profile) -> dict[str, pd.Series]:
     """Method -> the share of figure 1's seeds that succeed, by the object's place (x, y in metres), as in its maps."""
     runs = [run for run in parameters.runs("fig1_sparse", profile) if run.labels["hand"] == "anywhere"]
-    stored, _ = split([run.spec for run in runs], profile.results)
-    labels = {run.spec.hash: run.labels for run in runs}
-    rows = table([replace(result, labels=labels[result.spec.hash]) for result in stored])
+    rows = load_or_run(runs, profile, MADE).episodes
     cells = rows[rows.group == "grid"].groupby(["method", "object_x", "object_y"]).success.mean()
     return {method: cells[method] for method in METHODS}
 

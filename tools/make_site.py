@@ -18,7 +18,6 @@ import tempfile
 import time
 from base64 import b64decode
 from collections.abc import Callable, Iterator
-from dataclasses import replace
 from pathlib import Path
 from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 
@@ -36,9 +35,11 @@ import move
 from move import paths
 from move.figures import load, names, owner
 from move.figures.page import captions, kernels, parameters
+from move.figures.page.data import load_or_run
 from move.files import written_aside
+from move.study.labels import distinct
 from move.study.profiles import load_profile
-from move.study.results import Result, split, table
+from move.study.results import Result, split
 
 PROFILE = load_profile("laptop")
 SITE, SOURCE, DOCS = paths.BUILD / "site", paths.BUILD / "site-source", paths.ROOT / "docs"
@@ -297,9 +298,7 @@ def rows_of(name: str) -> str:
     """A link to every episode of a figure's runs as CSV, which is written; empty of a figure without runs."""
     if name not in parameters.with_runs():
         return ""
-    labels = {run.spec.hash: run.labels for run in parameters.runs(name, PROFILE)}
-    there, _ = split(list({spec.hash: spec for spec in parameters.specs(name, PROFILE)}.values()), PROFILE.results)
-    episodes = table([replace(result, labels=labels[result.spec.hash]) for result in there])
+    episodes = load_or_run(distinct(parameters.runs(name, PROFILE)), PROFILE, SOURCE).episodes
     path = SOURCE / "_static" / f"{name}_rows.csv.zip"
     entry = ZipInfo(path.stem)  # of no date: the same rows are the same bytes
     entry.compress_type = ZIP_DEFLATED
