@@ -30,8 +30,6 @@ import mujoco  # noqa: E402
 import numpy as np  # noqa: E402
 import torch  # noqa: E402
 from metaworld.policies import ENV_POLICY_MAP  # noqa: E402
-from rich.console import Console  # noqa: E402
-from rich.table import Table  # noqa: E402
 
 from move import paths  # noqa: E402
 from move.files import written_aside  # noqa: E402
@@ -241,16 +239,14 @@ def main() -> None:
         else:
             PARTS[name]()
     header = ("what", "ours", "reference", "ratio", "wanted")
-    where = f"{processor()}, in seconds of one core; GL: {gl_renderer()}; load when it began: {load:.1f}"
-    table = Table(*header, title=where)
-    for row in rows:
-        table.add_row(*row)
-    Console(width=130).print(table)
-    lines = [f"Measured by `make bench` on {where}.", "", *(f"| {' | '.join(row)} |" for row in
-             (header, ("---",) * len(header), *rows))]
+    lines = [f"Measured by `make bench` on {processor()}, in seconds of one core; GL: {gl_renderer()}; load when it "
+             f"began: {load:.1f}.", "",
+             *(f"| {' | '.join(row)} |" for row in (header, ("---",) * len(header), *rows))]
+    text = "\n".join(lines) + "\n"
+    print(text, end="")
     if not sys.argv[1:]:
         with written_aside(load_profile("laptop").figures / "bench.md") as new:
-            new.write_text("\n".join(lines) + "\n")
+            new.write_text(text)
 
 
 if __name__ == "__main__":
