@@ -255,11 +255,6 @@ def test_the_test_over_tasks_flips_signs_and_is_exact():
         over_tasks(tasks_with(1, 2))
 
 
-def test_holm_makes_the_smallest_of_ten_ten_times_as_large():
-    adjusted = holm([0.004, *[0.5] * 9])
-    assert adjusted[0] == pytest.approx(0.04) and (adjusted[1:] == 1).all()
-
-
 def test_holm_multiplies_each_p_by_how_many_are_not_smaller_and_keeps_their_order():
     assert holm([0.01, 0.04, 0.03]) == pytest.approx([0.03, 0.06, 0.06])  # by 3; by 1, but no less than the last; by 2
     assert holm([0.02, 0.001]) == pytest.approx([0.02, 0.002])
