@@ -1,11 +1,14 @@
 """A process that dies costs its run alone, no process outlives the command, and two runs never share a simulator."""
 
 import os
+import random
+import shutil
 import subprocess
 import sys
 import threading
 import time
 from contextlib import suppress
+from pathlib import Path
 
 import psutil
 import pytest
@@ -13,7 +16,7 @@ from shared import refused
 
 from move import paths
 from move.errors import BadInput
-from move.study import execute, processes, run
+from move.study import execute, processes, results, run
 from move.study.kinds import control_run
 from move.study.processes import Processes, RunFailed
 from move.study.provenance import deciding
@@ -155,8 +158,64 @@ def test_where_the_kernel_does_not_help_a_thread_sees_that_the_parent_is_gone(tm
     assert psutil.wait_procs([process], timeout=10)[1] == []
 
 
+# a command that is killed --------------------------------------------------------------------------------------------
+
+TINY = """
+purpose: two short trainings
+stamp: TINY
+image_size: 48
+training:
+  keypoints: {encoder: keypoints, denoiser: mlp, gradient_steps: 300, warmup_steps: 10, batch_size: 32,
+              learning_rate: 1.0e-3, ema_decay: 0.9, mlp_width: 64}
+notebooks: {keypoint_control: {timesteps: [120], seeds: 1, episodes: 2}}
+minutes: {keypoints: 0.1}
+"""
+
+
+def content(build: Path) -> dict[str, object]:
+    """What has to be the same: of each result what a repetition gives again, and the weights of each policy."""
+    found: dict[str, object] = {}
+    for path in build.glob("results/*/*.json"):
+        result = results.read(path)
+        record = {**(result.collection or {}), "seconds": 0}
+        found[path.name] = result.rows, record, (result.training or {}).get("curve")
+    weights = build.glob("runs/*/policy/tensors-*")
+    return found | {str(path.relative_to(build)): path.read_bytes() for path in weights}
+
+
 @pytest.mark.slow
-def test_a_tortured_grid_ends_as_an_undisturbed_one(tmp_path):
-    done = subprocess.run([sys.executable, paths.ROOT / "tools" / "torture.py", "--kills", "20"],
-                          env={**os.environ, "PYTHONPATH": str(paths.ROOT)}, capture_output=True, text=True)
-    assert done.returncode == 0, done.stdout + done.stderr
+def test_a_command_that_is_killed_again_and_again_ends_as_an_undisturbed_one(tmp_path):
+    """Killed is the command alone, with all that it started, or one of these, at a random moment before its end."""
+    build, chance = tmp_path / "build", random.Random(0)
+    shutil.copytree(paths.ROOT / "profiles", tmp_path / "profiles")
+    (tmp_path / "profiles/tiny.yaml").write_text(TINY)
+    (tmp_path / "notebooks").symlink_to(paths.ROOT / "notebooks")
+    variables = {"PYTHONPATH": str(paths.ROOT), "MOVE_ROOT": str(tmp_path), "MOVE_CHECKPOINT_SECONDS": "0.1"}
+
+    def start() -> psutil.Popen:
+        arguments = ["run", "keypoint_control", "--profile", "tiny", "--workers", "2"]
+        return psutil.Popen([sys.executable, "-m", "move.cli", *arguments], env=os.environ | variables,
+                            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+    began = time.monotonic()
+    assert start().wait() == 0
+    seconds, expected = time.monotonic() - began, content(build)
+    shutil.rmtree(build)
+    for target in ("command", "all", "one") * 7:
+        command, children = start(), []
+        with suppress(psutil.TimeoutExpired):
+            command.wait(chance.uniform(0, 0.6 * seconds))
+        with suppress(psutil.NoSuchProcess):  # what has ended by itself
+            children = command.children(recursive=True)
+            victims = {"command": [command], "all": [command, *children], "one": children and [chance.choice(children)]}
+            for victim in victims[target]:
+                victim.kill()
+        code = command.wait()
+        assert psutil.wait_procs(children, timeout=60)[1] == []
+        found = content(build)
+        assert all(expected.get(name, made) == made for name, made in found.items()), "torn"
+        if code == 0:
+            assert found == expected
+            shutil.rmtree(build)
+    assert start().wait() == 0 and content(build) == expected
+    assert not [path for path in build.rglob("*") if path.suffix in (".part", ".old")]
