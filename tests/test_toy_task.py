@@ -11,7 +11,7 @@ from recipes import tiny
 from shared import plan as any_plan
 
 import move.sim
-from move.learn.agents import Nothing
+from move.learn.agents import Agent, Nothing
 from move.learn.evaluate import evaluate
 from move.learn.evaluation import Evaluation, starts
 from move.sim.collect import collect
@@ -80,16 +80,13 @@ def toy(monkeypatch: pytest.MonkeyPatch) -> Task:
 plan = partial(any_plan, task=TOY.name, method="static", timesteps=600)
 
 
-class Nearest:
+class Nearest(Agent):
     """An agent that does what was done where the keypoints were most like those it sees."""
 
-    action_steps, observation_horizon = 1, 1
+    observation_horizon = 1
 
     def __init__(self, demonstrations) -> None:
         self.seen, self.done = demonstrations.observations, demonstrations.actions
-
-    def start(self, scenes: list[Scene]) -> None:
-        """Nothing to do."""
 
     def act(self, running: list[int], scenes: list[Scene], observations: np.ndarray) -> np.ndarray:
         nearest = [np.abs(self.seen - frame).sum(1).argmin() for (frame,) in observations]

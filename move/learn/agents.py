@@ -11,29 +11,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Protocol
 
 import numpy as np
 import torch
 
 from move.errors import BadInput
 from move.learn.diffusion import DiffusionPolicy
-from move.sim.experts.phase import Expert as ScriptedExpert
 from move.sim.experts.phase import make_expert
 from move.sim.scene.scene import Scene
 
 AGENT_STREAM = 3  # first word of the seed of a agent's own randomness
 
 
-class Agent(Protocol):
-    """Whatever acts in an evaluation: a policy or a control.
+class Agent:
+    """Whatever acts in an evaluation: a policy or a control."""
 
-    `action_steps` actions are executed before it is asked again, by the last `observation_horizon` observations; 0 is
-    for one that needs none.
-    """
-
-    action_steps: int
-    observation_horizon: int
+    observation_horizon = 0  # how many of the last observations it needs
 
     def start(self, scenes: list[Scene]) -> None:
         """Begin with all episodes."""
@@ -45,16 +38,17 @@ class Agent(Protocol):
             observations: (len(running), observation_horizon, ...), the newest last; None where none are needed.
 
         Returns:
-            (len(running), action_steps, action_size) float32; the scene clips them to [-1, 1].
+            (len(running), steps, action_size) float32: all are executed before it is asked again; the scene clips them
+            to [-1, 1].
         """
+        raise NotImplementedError
 
 
-class PolicyAgent:
+class PolicyAgent(Agent):
     """A diffusion policy; an episode's noise does not depend on which others are still running."""
 
     def __init__(self, policy: DiffusionPolicy, seed: int) -> None:
         self.policy, self.settings = policy, policy.training_settings
-        self.action_steps = self.settings.action_horizon
         self.observation_horizon = self.settings.observation_horizon
         self.generator = torch.Generator().manual_seed(_agent_seed(seed))
 
@@ -69,20 +63,15 @@ class PolicyAgent:
         return self.policy.act(observations, noise=noise)
 
 
-class Recorded:
+class Recorded(Agent):
     """One episode again: the same on every machine, whereas a policy's rounding differs from processor to processor.
 
     Args:
         actions: (steps, action_size) float32, as they were executed; after the last one it is repeated.
     """
 
-    action_steps, observation_horizon = 1, 0
-
     def __init__(self, actions: np.ndarray) -> None:
         self.actions = actions
-
-    def start(self, scenes: list[Scene]) -> None:
-        """Nothing to do."""
 
     def act(self, running: list[int], scenes: list[Scene], observations: np.ndarray | None) -> np.ndarray:
         """The action that was executed in each episode's present step."""
@@ -90,23 +79,16 @@ class Recorded:
         return np.stack([self.actions[[min(scenes[number].steps, last)]] for number in running])
 
 
-class Nothing:
+class Nothing(Agent):
     """The control that never moves."""
-
-    action_steps, observation_horizon = 1, 0
-
-    def start(self, scenes: list[Scene]) -> None:
-        """Nothing to do."""
 
     def act(self, running: list[int], scenes: list[Scene], observations: np.ndarray | None) -> np.ndarray:
         """Zeros."""
         return np.zeros((len(running), 1, scenes[0].task.action_size), np.float32)
 
 
-class Random:
+class Random(Agent):
     """The control that acts uniformly at random."""
-
-    action_steps, observation_horizon = 1, 0
 
     def __init__(self, seed: int) -> None:
         self.rng = np.random.default_rng(_agent_seed(seed))
@@ -120,10 +102,8 @@ class Random:
         return self.rng.uniform(-1, 1, self.shape).astype(np.float32)[running]
 
 
-class Expert:
+class Expert(Agent):
     """The ceiling: a scripted expert, one for each episode."""
-
-    action_steps, observation_horizon = 1, 0
 
     def __init__(self, name: str) -> None:
         self.name = name
@@ -155,12 +135,11 @@ class GoalBlind(Expert):
 
     def act(self, running: list[int], scenes: list[Scene], observations: np.ndarray | None) -> np.ndarray:
         """What the experts would do if the target were in the middle."""
-        return np.stack([self._mistaken(self.experts[number], scenes[number])[None] for number in running])
-
-    @staticmethod
-    def _mistaken(expert: ScriptedExpert, scene: Scene) -> np.ndarray:
-        with scene.with_target_at(scene.task.target_range.centre):
-            return expert.action(scene)
+        actions = []
+        for number in running:
+            with scenes[number].with_target_at(scenes[number].task.target_range.centre):
+                actions.append(self.experts[number].action(scenes[number])[None])
+        return np.stack(actions)
 
 
 CONTROLS: dict[str, Callable[[int], Agent]] = {
