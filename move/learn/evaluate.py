@@ -7,7 +7,6 @@ What acts is in `agents.py`, the loop that steps the episodes in `rollout.py`, w
 from __future__ import annotations
 
 from collections.abc import Callable, Container, Sequence
-from functools import partial
 
 from move.learn.agents import Agent
 from move.learn.evaluation import Evaluation, Start, starts
@@ -50,29 +49,23 @@ def evaluate(
     """
     task = task.variant(evaluation.fixed)
     listed, rows = starts(task, evaluation, own), []
+
+    def on_ended(ended: int) -> None:
+        if on_step:
+            on_step(ended, len(listed))
+
     for first in range(0, len(listed), batch_size):
         batch = listed[first : first + batch_size]
         rollouts = roll_out(
-            agent, task, [start.configuration for start in batch], observation,
-            indices=None if indices is None else [index for index in range(len(batch)) if first + index in indices],
-            on_ended=partial(_ended, on_step, len(listed), first) if on_step else None,
-            callback=partial(_called, callback, first) if callback else None,
+            agent, task, [start.configuration for start in batch], observation, indices, on_ended, callback,
             in_motion=evaluation.factors if evaluation.starts == "moving" else None, first_index=first,
         )
-        rows += [_row(first + rollout.index, batch[rollout.index], rollout) for rollout in rollouts]
+        rows += [_row(listed[rollout.index], rollout) for rollout in rollouts]
     return rows
 
 
-def _ended(on_step: Callable[[int, int], None], total: int, before: int, ended: int) -> None:
-    on_step(before + ended, total)
-
-
-def _called(callback: Callable[[int, Scene], None], before: int, index: int, scene: Scene) -> None:
-    callback(before + index, scene)
-
-
-def _row(index: int, start: Start, rollout: Rollout) -> dict:
-    row = {"trial": index, "group": start.group, **start.configuration.columns(), "success": rollout.successes > 0,
-           "success_steps": rollout.successes, "end_success": rollout.scene.success,
+def _row(start: Start, rollout: Rollout) -> dict:
+    row = {"trial": rollout.index, "group": start.group, **start.configuration.columns(),
+           "success": rollout.successes > 0, "success_steps": rollout.successes, "end_success": rollout.scene.success,
            "held": rollout.scene.phase == "place", "steps": rollout.scene.steps}
     return row | {name: steps > 0 for name, steps in rollout.scene.recorded_steps.items()}

@@ -8,7 +8,7 @@ those before it, as in training.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Container, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -50,7 +50,7 @@ def roll_out(
     task: Task,
     configurations: Sequence[SpatialConfiguration],
     observation: ObservationSpec,
-    indices: Sequence[int] | None = None,
+    indices: Container[int] | None = None,
     on_ended: Callable[[int], None] | None = None,
     callback: Callback | None = None,
     in_motion: str | None = None,
@@ -64,27 +64,31 @@ def roll_out(
         on_ended: called with the number of episodes that have ended, after each decision.
         callback: called with the index and the scene at the start and after every step.
         in_motion: a key of FACTORS: what moves while the agent acts, as in MOVE's demonstrations; by default nothing.
-        first_index: the first configuration's in the whole list, on which an episode's motions depend.
+        first_index: the first configuration's in the whole list, on which an episode's motions depend; the episodes
+            before it have ended.
     """
     seen = observation if agent.observation_horizon else KEYPOINTS
     scenes = [Scene(task, seen.kind, seen.image_size, drawing=seen.drawing) for _ in configurations]
     worlds = [scene if in_motion is None else with_motions(scene, Motions(), in_motion) for scene in scenes]
     rollouts = []
-    for index in range(len(scenes)) if indices is None else indices:
-        seed = int(np.random.SeedSequence([MOTION_STREAM, first_index + index]).generate_state(1)[0])
-        first, _ = worlds[index].reset(seed=seed, options={"configuration": configurations[index]})
+    for index, configuration in enumerate(configurations, first_index):
+        if indices is not None and index not in indices:
+            continue
+        seed = int(np.random.SeedSequence([MOTION_STREAM, index]).generate_state(1)[0])
+        scene, world = scenes[index - first_index], worlds[index - first_index]
+        first, _ = world.reset(seed=seed, options={"configuration": configuration})
         window = deque([first] * agent.observation_horizon, maxlen=agent.observation_horizon)
-        rollouts.append(Rollout(index, scenes[index], worlds[index], window, agent.observation_horizon))
+        rollouts.append(Rollout(index, scene, world, window, agent.observation_horizon))
         if callback:
-            callback(index, scenes[index])
+            callback(index, scene)
     agent.start(scenes)
     while running := [rollout for rollout in rollouts if rollout.running]:
         seen_now = np.stack([np.stack(rollout.window) for rollout in running]) if agent.observation_horizon else None
-        actions = agent.act([rollout.index for rollout in running], scenes, seen_now)
+        actions = agent.act([rollout.index - first_index for rollout in running], scenes, seen_now)
         for rollout, chunk in zip(running, actions, strict=True):
             _execute(rollout, chunk, callback)
         if on_ended:
-            on_ended(sum(not rollout.running for rollout in rollouts))
+            on_ended(first_index + sum(not rollout.running for rollout in rollouts))
     return rollouts
 
 
