@@ -22,12 +22,12 @@ from move.sim.tasks import TASKS
 from move.sim.tasks.ranges import SIDE, WIDE_HAND, fixed
 from move.sim.tasks.success import joint_beyond, near
 from move.sim.tasks.task import GraspParameters, MovableBody, PushParameters, Task
-from move.sim.tasks.transport import Grasped, TransportState, Waypoint, read
+from move.sim.tasks.transport import TransportState, Waypoint, read
 from move.study.run import run
 from move.study.spec import PolicyRun
 
 
-def backwards(scene: Grasped, state: TransportState) -> Waypoint:
+def backwards(scene: Scene, state: TransportState) -> Waypoint:
     """A little up first, so that the block does not drag, then to the target at that height."""
     here, goal = read(scene, "body:obj"), read(scene, "target")
     if here[2] > 0.03:

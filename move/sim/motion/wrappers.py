@@ -23,10 +23,11 @@ from pydantic import BaseModel, ConfigDict, Field
 from move.choices import SpeedLaw
 from move.sim.configuration import Box, Disc, SpatialConfiguration, vector
 from move.sim.motion import equations
-from move.sim.motion.movable import Movable, Ranges
-from move.sim.tasks.task import FACTORS
+from move.sim.motion.movable import Movable
+from move.sim.tasks.task import FACTORS, Task
 
 if TYPE_CHECKING:
+    from move.sim.scene.mujoco_scene import Space
     from move.sim.scene.scene import Scene
 
 MovableScene = TypeVar("MovableScene", bound=Movable)
@@ -236,7 +237,7 @@ class CameraMotion(Motion):
         self.scene.move_camera(configuration.camera_angle)
 
 
-def movable(task: Ranges, factors: str) -> tuple[Part, ...]:
+def movable(task: Task | Space, factors: str) -> tuple[Part, ...]:
     """What can move: the object, its rotation where the task has a yaw, and what `factors` randomises of the rest.
 
     >>> from move.sim.tasks import get_task

@@ -13,37 +13,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Protocol
-
-import numpy as np
+from typing import TYPE_CHECKING
 
 from move.sim.geometry import past, wrapped
 
+if TYPE_CHECKING:
+    from move.sim.scene.scene_state import Readable
 
-class Reading(Protocol):
-    """What a success condition may read of a scene."""
-
-    def point(self, name: str) -> np.ndarray:
-        """Position of a named point, shape (3,), metres."""
-
-    @property
-    def object_yaw(self) -> float:
-        """Yaw of the object, relative to Meta-World's pose, radians."""
-
-    def joint(self, name: str) -> float:
-        """Position of a named joint, metres or radians."""
-
-    def touches(self, first: str, second: str) -> bool:
-        """Whether "body:NAME" (all of it) or "body:NAME-GEOM" (but for that geom) is in contact with another."""
-
-
-Success = Callable[[Reading], bool]
+Success = Callable[["Readable"], bool]
 
 
 def near(point: str, target: str, distance: float) -> Success:
     """Success condition: `point` is at most `distance` metres from `target`."""
 
-    def condition(scene: Reading) -> bool:
+    def condition(scene: Readable) -> bool:
         return math.dist(scene.point(point), scene.point(target)) <= distance
 
     return condition
@@ -59,7 +42,7 @@ def closed(lid: str, box: str, height: float, above: float, aside: float, yaw: f
         yaw: largest angle between lid and box, radians; a lid turned by half a turn is on as well.
     """
 
-    def condition(scene: Reading) -> bool:
+    def condition(scene: Readable) -> bool:
         (x, y, z), (box_x, box_y, _) = scene.point(lid).tolist(), scene.point(box).tolist()
         placed = abs(z - height) < above and math.hypot(x - box_x, y - box_y) < aside
         return placed and abs(wrapped(scene.object_yaw, math.pi)) < yaw
@@ -70,7 +53,7 @@ def closed(lid: str, box: str, height: float, above: float, aside: float, yaw: f
 def around(ring: str, top: str, distance: float) -> Success:
     """Success condition: `ring` is less than `distance` metres from `top` in the plane, and lower."""
 
-    def condition(scene: Reading) -> bool:
+    def condition(scene: Readable) -> bool:
         x, y, z = (scene.point(top) - scene.point(ring)).tolist()
         return math.hypot(x, y) < distance and z > 0.0
 
@@ -80,7 +63,7 @@ def around(ring: str, top: str, distance: float) -> Success:
 def joint_beyond(joint: str, position: float) -> Success:
     """Success condition: `joint` is beyond `position` (metres or radians), on the side of its sign."""
 
-    def condition(scene: Reading) -> bool:
+    def condition(scene: Readable) -> bool:
         return past(scene.joint(joint), position) > 0
 
     return condition
@@ -89,7 +72,7 @@ def joint_beyond(joint: str, position: float) -> Success:
 def higher(point: str, height: float) -> Success:
     """Success condition: `point` is more than `height` metres above the table's zero."""
 
-    def condition(scene: Reading) -> bool:
+    def condition(scene: Readable) -> bool:
         return float(scene.point(point)[2]) > height
 
     return condition
@@ -98,7 +81,7 @@ def higher(point: str, height: float) -> Success:
 def in_hoop(ball: str, hoop: str, height: float, distance: float) -> Success:
     """Success condition: `ball` at most `distance` metres from the hoop's middle at `height`, z counted twice."""
 
-    def condition(scene: Reading) -> bool:
+    def condition(scene: Readable) -> bool:
         (x, y, z), (hoop_x, hoop_y, _) = scene.point(ball).tolist(), scene.point(hoop).tolist()
         return math.hypot(x - hoop_x, y - hoop_y, 2 * (z - height)) <= distance
 
@@ -108,7 +91,7 @@ def in_hoop(ball: str, hoop: str, height: float, distance: float) -> Success:
 def both(first: Success, second: Success) -> Success:
     """Success condition: both hold in the same step."""
 
-    def condition(scene: Reading) -> bool:
+    def condition(scene: Readable) -> bool:
         return first(scene) and second(scene)
 
     return condition
@@ -117,7 +100,7 @@ def both(first: Success, second: Success) -> Success:
 def touching(first: str, second: str) -> Success:
     """Success condition: `first` and `second`, bodies or parts of them, are in contact."""
 
-    def condition(scene: Reading) -> bool:
+    def condition(scene: Readable) -> bool:
         return scene.touches(first, second)
 
     return condition

@@ -19,30 +19,16 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
-
-import numpy as np
+from typing import TYPE_CHECKING
 
 from move.sim.configuration import Vector, vector
 from move.sim.geometry import limited, shifted, wrapped
-from move.sim.tasks.success import Reading
+
+if TYPE_CHECKING:
+    from move.sim.scene.scene import Scene
 
 UNWIND_STEP = math.radians(3.0)  # radians the gripper turns a step while it brings a ring to its peg
 SQUARE_STEP = math.radians(4.0)  # radians the gripper turns a step to bring a hammer square
-
-
-class Grasped(Reading, Protocol):
-    """What a transport may read of a scene."""
-
-    gripper_yaw: float  # where the gripper's yaw should be, radians
-
-    @property
-    def hand(self) -> np.ndarray:
-        """Position of the hand, shape (3,), metres."""
-
-    @property
-    def hand_yaw(self) -> float:
-        """Yaw of the hand as it is, radians."""
 
 
 @dataclass(frozen=True)
@@ -57,10 +43,10 @@ class Waypoint:
 TransportState = set[str]
 """What a transport remembers from step to step; empty whenever the object was grasped anew."""
 
-Transport = Callable[[Grasped, TransportState], Waypoint]
+Transport = Callable[["Scene", TransportState], Waypoint]
 
 
-def read(scene: Grasped, name: str) -> Vector:
+def read(scene: Scene, name: str) -> Vector:
     """Position of a named point as three numbers (metres)."""
     return vector(scene.point(name))
 
@@ -68,7 +54,7 @@ def read(scene: Grasped, name: str) -> Vector:
 def straight(held: str) -> Transport:
     """Transport: the point `held` straight to the target."""
 
-    def transport(scene: Grasped, state: TransportState) -> Waypoint:
+    def transport(scene: Scene, state: TransportState) -> Waypoint:
         return Waypoint(read(scene, held), read(scene, "target"))
 
     return transport
@@ -77,7 +63,7 @@ def straight(held: str) -> Transport:
 def along_table(held: str) -> Transport:
     """Transport: the point `held` to the target along the table, the hand no lower than it may go."""
 
-    def transport(scene: Grasped, state: TransportState) -> Waypoint:
+    def transport(scene: Scene, state: TransportState) -> Waypoint:
         here, goal = read(scene, held), read(scene, "target")
         lowest = here[2] + 0.05 - float(scene.hand[2])  # metres; the hand stays at 0.05
         return Waypoint(here, (goal[0], goal[1], max(goal[2], lowest)))
@@ -88,7 +74,7 @@ def along_table(held: str) -> Transport:
 def over_wall(held: str, top: float, behind: float) -> Transport:
     """Transport: the point `held` up to the height `top`, across to y = `behind` (metres), then to the target."""
 
-    def transport(scene: Grasped, state: TransportState) -> Waypoint:
+    def transport(scene: Scene, state: TransportState) -> Waypoint:
         here, goal = read(scene, held), read(scene, "target")
         if here[1] >= behind:
             return Waypoint(here, goal)
@@ -102,7 +88,7 @@ def over_wall(held: str, top: float, behind: float) -> Transport:
 def into_hoop(ball: str, hoop: str) -> Transport:
     """Transport: `ball` up to the height of `hoop`, then across to its middle."""
 
-    def transport(scene: Grasped, state: TransportState) -> Waypoint:
+    def transport(scene: Scene, state: TransportState) -> Waypoint:
         here, there = read(scene, ball), read(scene, hoop)
         if here[2] < 0.295 and math.dist(here[:2], there[:2]) > 0.03:
             return Waypoint(here, (here[0], here[1], 0.33))
@@ -114,7 +100,7 @@ def into_hoop(ball: str, hoop: str) -> Transport:
 def onto_peg(ring: str, top: str) -> Transport:
     """Transport: `ring` up, over the peg's `top` and down on it; the wrist unwinds on the way, for the peg is round."""
 
-    def transport(scene: Grasped, state: TransportState) -> Waypoint:
+    def transport(scene: Scene, state: TransportState) -> Waypoint:
         here, there = read(scene, ring), read(scene, top)
         aside = math.dist(here[:2], there[:2])
         turn = -limited(scene.gripper_yaw, UNWIND_STEP) if here[2] > 0.09 and aside > 0.03 else 0.0
@@ -130,7 +116,7 @@ def onto_peg(ring: str, top: str) -> Transport:
 def upwards(held: str) -> Transport:
     """Transport: the point `held` straight up."""
 
-    def transport(scene: Grasped, state: TransportState) -> Waypoint:
+    def transport(scene: Scene, state: TransportState) -> Waypoint:
         here = read(scene, held)
         return Waypoint(here, shifted(here, (0.0, 0.0, 0.1)))
 
@@ -140,7 +126,7 @@ def upwards(held: str) -> Transport:
 def onto_box(lid: str) -> Transport:
     """Transport: `lid` off the table, across to the target above the box's walls, and down until it is on."""
 
-    def transport(scene: Grasped, state: TransportState) -> Waypoint:
+    def transport(scene: Scene, state: TransportState) -> Waypoint:
         here, goal = read(scene, lid), read(scene, "target")
         aside = math.dist(here[:2], goal[:2])
         if here[2] < 0.02 or (here[2] < 0.125 and 0.05 < aside < 0.2):
@@ -156,7 +142,7 @@ def onto_nail(head: str, face: Vector, nail: str) -> Transport:
     The state holds "strike" while the hammer is on its way into the nail.
     """
 
-    def transport(scene: Grasped, state: TransportState) -> Waypoint:
+    def transport(scene: Scene, state: TransportState) -> Waypoint:
         middle, there = read(scene, head), read(scene, nail)
         front = shifted(middle, face, scene.object_yaw)
         askew = abs(wrapped(scene.object_yaw, math.pi))
@@ -181,7 +167,7 @@ def _hammer_goal(face: Vector, head: Vector, nail: Vector, gap: float, striking:
     return (nail[0], nail[1] - 0.07, nail[2])
 
 
-def _square(scene: Grasped) -> float:
+def _square(scene: Scene) -> float:
     """The turn that brings what is held to yaw 0, by the grip as measured (an integrator would swing)."""
     wanted = -wrapped(scene.object_yaw - scene.hand_yaw, math.pi)
     return limited(wrapped(wanted - scene.gripper_yaw), SQUARE_STEP)
