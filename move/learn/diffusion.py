@@ -81,7 +81,6 @@ class MinMaxNormalizer(nn.Module):
         """From [-1, 1] back to the data's own units: (..., size) -> (..., size) float32."""
         return (values - self.offset) / self.scale
 
-
     def limits(self) -> tuple[Tensor, Tensor]:
         """The lowest and the highest value of each coordinate, (size,) each; -1 and 1 where they are within these."""
         centre, unit = self.inverse(torch.zeros_like(self.scale)), self.scale.new_tensor([[-1.0], [1.0]])
@@ -185,7 +184,6 @@ class DiffusionPolicy(nn.Module):
 
         They are in [-1, 1], or within the limits of the demonstrations where those go beyond.
 
-
         observations (B, To, ...) as in `loss`. The noise (B, Tp, action_size) to start from is drawn from the CPU
         generator, or given: then an episode's actions do not depend on which others are in the batch.
         """
@@ -194,7 +192,8 @@ class DiffusionPolicy(nn.Module):
         if self.training_settings.crop_pixels:
             observed = crop(observed, self.training_settings.crop_pixels)
         if noise is None:
-            noise = torch.randn(self._predicted_shape(len(observed)), generator=generator)
+            shape = len(observed), self.training_settings.prediction_horizon, self.action_size
+            noise = torch.randn(shape, generator=generator)
         actions = self._denoise(noise.to(observed.device), self._condition(observed))
         executed = self.action_normalizer.inverse(actions[:, self.training_settings.executed])
         return executed.clamp(*self.action_normalizer.limits()).cpu().numpy()
@@ -217,9 +216,6 @@ class DiffusionPolicy(nn.Module):
             predicted = self.denoiser(actions, time.to(actions.device).expand(len(actions)), condition)
             actions = cast("DDIMSchedulerOutput", self.schedule.step(predicted, time, actions)).prev_sample
         return actions
-
-    def _predicted_shape(self, batch: int) -> tuple[int, int, int]:
-        return batch, self.training_settings.prediction_horizon, self.action_size
 
     def _check_observed(self, observed: Tensor) -> None:
         expected = (self.training_settings.observation_horizon, *self.observation_shape)

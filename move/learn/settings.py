@@ -76,8 +76,16 @@ class Training(BaseModel):
 
     @model_validator(mode="after")
     def _refuse_the_impossible(self) -> Self:
-        rules = self._horizon_rules() + (self._unet_rules() if self.denoiser == "unet" else [])
-        rules += [
+        unet, shrink = self.denoiser == "unet", 2 ** (len(self.unet_widths) - 1)
+        rules = [
+            (self.predicted_horizon <= self.prediction_horizon,
+             f"observation_horizon - 1 + action_horizon is {self.predicted_horizon}, "
+             f"but only {self.prediction_horizon} timesteps are predicted"),
+            (not unet or self.prediction_horizon % shrink == 0,
+             f"prediction_horizon {self.prediction_horizon} is not a multiple of {shrink}, "
+             f"which {len(self.unet_widths)} U-Net levels need"),
+            (not unet or all(width % GROUPS == 0 for width in self.unet_widths),
+             f"unet_widths {self.unet_widths} are not multiples of {GROUPS}, the groups of its normalisation"),
             (self.diffusion_steps % self.inference_steps == 0,
              f"diffusion_steps {self.diffusion_steps} is not a multiple of inference_steps {self.inference_steps}"),
             (self.warmup_steps <= self.gradient_steps,
@@ -91,24 +99,6 @@ class Training(BaseModel):
         if broken:
             raise ValueError("; ".join(broken))
         return self
-
-    def _horizon_rules(self) -> list[tuple[bool, str]]:
-        return [(
-            self.predicted_horizon <= self.prediction_horizon,
-            f"observation_horizon - 1 + action_horizon is {self.predicted_horizon}, "
-            f"but only {self.prediction_horizon} timesteps are predicted",
-        )]
-
-    def _unet_rules(self) -> list[tuple[bool, str]]:
-        levels = len(self.unet_widths)
-        shrink = 2 ** (levels - 1)
-        return [
-            (self.prediction_horizon % shrink == 0,
-             f"prediction_horizon {self.prediction_horizon} is not a multiple of {shrink}, "
-             f"which {levels} U-Net levels need"),
-            (all(width % GROUPS == 0 for width in self.unet_widths),
-             f"unet_widths {self.unet_widths} are not multiples of {GROUPS}, the groups of its normalisation"),
-        ]
 
     @property
     def predicted_horizon(self) -> int:
