@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 import math
-from typing import Protocol
 
 import mujoco
 import numpy as np
@@ -35,7 +34,7 @@ def located(model: mujoco.MjModel, data: mujoco.MjData, what: str, name: str) ->
     raise BadInput(f"{what}: {name!r} given; allowed is the name of a body or of a site")
 
 
-class Mover(Protocol):
+class Mover:
     """Something that can be put in another place.
 
     `start` is its position when the episode began, `where` the present one, both (3,), metres; `where` is a live view.
@@ -46,6 +45,7 @@ class Mover(Protocol):
 
     def put(self, position: Vector | np.ndarray, yaw: float) -> None:
         """Put it at `position` (metres) at rest, turned by `yaw` (radians) from its start."""
+        raise NotImplementedError
 
     def put_back(self) -> None:
         """Undo what was written into the model; what is in the data the environment resets itself."""
@@ -117,7 +117,7 @@ def _refuse_beyond_joints(model: mujoco.MjModel, data: mujoco.MjData, slides: li
                            f"is; its joint {model.joint(joint).name!r} allows {least:.3f} to {most:.3f}")
 
 
-class FreeBody:
+class FreeBody(Mover):
     """A body with a free joint: its height and how it lies are left to physics, unless `within` bounds the height."""
 
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, joint: int, where: np.ndarray, within: Box) -> None:
@@ -138,11 +138,8 @@ class FreeBody:
         if yaw != self.yaw:
             self.quaternion[:], self.yaw = turned(self.quaternion, yaw - self.yaw), yaw
 
-    def put_back(self) -> None:
-        """Nothing of it is in the model."""
 
-
-class SlidingBody:
+class SlidingBody(Mover):
     """A body of the world on slide joints, such as those of a puck; what is across all of them stays."""
 
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, joints: list[int], axes: np.ndarray,
@@ -160,11 +157,8 @@ class SlidingBody:
             self.positions[at] = zero + along_x * dx + along_y * dy + along_z * dz
             self.speeds[speed] = 0.0
 
-    def put_back(self) -> None:
-        """Nothing of it is in the model."""
 
-
-class Placed:
+class Placed(Mover):
     """What is written where it stands: a mocap body, or what is fixed in the world (a body, a site, a camera).
 
     Args:
