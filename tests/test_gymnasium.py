@@ -212,17 +212,12 @@ def test_a_video_is_recorded(tmp_path):
     ({"image_size": "big"}, "image_size: 'big' given"),
     ({"image_size": 9.5}, "image_size: 9.5 given"),
     ({"image_size": True}, "image_size: True given"),
+    ({"render_mode": "ansi"}, "render_mode: 'ansi' given; allowed are None, rgb_array"),
     ({"object_speed": -1.0}, "object_speed: -1.0 given"),
 ])
 def test_a_choice_without_sense_is_one_clear_line(choices, message):
     with refused(message):
         make(**choices)
-
-
-@pytest.mark.filterwarnings("ignore")
-def test_an_unknown_render_mode_is_refused():
-    with pytest.raises(BadInput, match="render_mode: 'ansi' given; allowed are None, rgb_array"):
-        make(render_mode="ansi")
 
 
 @pytest.mark.parametrize("action", [[0, 0, 0, math.nan], [0, 0, math.inf, 0], np.zeros(3), np.zeros(6), 0.5, "left",
