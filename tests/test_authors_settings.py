@@ -20,7 +20,6 @@ from move.sim.scene.scene import Scene
 from move.sim.tasks import get_task
 from move.sim.tasks.listed import listed_configurations
 from move.study import stored
-from move.study.spec import CollectionRun
 
 TASK = get_task("pick-place")
 ANYWHERE = {"task": "pick-place", "timesteps": 600, "factors": "object+hand", "protocol": "sparse", "fixed": "authors"}
@@ -50,21 +49,6 @@ def test_the_object_comes_from_as_many_steps_away_as_asked():
         for episode in begun(6, method="move", object_steps=steps):
             gone = math.dist(episode.start.object_position, episode.grasp.object_position)
             assert 0 < gone <= 0.03 * steps
-
-
-def test_other_places_exist_for_pick_place_alone():
-    with pytest.raises(BadInput, match="push, whose places are not known"):
-        get_task("push").variant("authors")
-
-
-def test_the_defaults_leave_the_hash_as_it_is():
-    common = {"task": "pick-place", "method": "move", "timesteps": 600, "observation": "rgb"}
-    plain = Collection(**common)
-    spelled = Collection(**common, keep_failures=False, fixed="package", drawing="plain", object_steps=None)
-    other = [plain.model_copy(update=change) for change in (
-        {"keep_failures": True}, {"fixed": "authors"}, {"drawing": "full"}, {"object_steps": 35})]
-    hashes = [CollectionRun(task="pick-place", seed=0, collection=made).hash for made in (plain, spelled, *other)]
-    assert hashes[0] == hashes[1] and len(set(hashes)) == 5
 
 
 def test_failures_are_kept_where_asked():

@@ -9,7 +9,7 @@ import pytest
 from shared import plan as any_plan
 
 from move.sim import collect as collecting
-from move.sim.collect import Collection, attempt_seed, attempts, collect, collecting_env, required_jumps
+from move.sim.collect import attempt_seed, attempts, collect, collecting_env, required_jumps
 from move.sim.experts.phase import make_expert
 from move.sim.motion.adc import JUMP_DISTANCE, MENDED, PERIODIC, Jumping
 from move.sim.tasks import TASKS, get_task
@@ -164,10 +164,3 @@ def test_the_record_and_the_rows_of_attempts_hold_the_jumps(tmp_path):
 def test_only_the_object_jumps_where_only_it_is_random():
     (episode, jumps), = watched(plan(factors="object"), 1)
     assert episode.succeeded and [what for what, _, _ in jumps] == ["object"]
-
-
-def test_the_default_does_not_enter_the_hash_and_the_mended_one_does():
-    specs = [CollectionRun(task="pick-place", seed=0, collection=collection)
-             for collection in (Collection(task="pick-place", method="adc", timesteps=300), plan(jumping=Jumping()),
-                                plan(), plan(jumping=PERIODIC))]
-    assert specs[0].hash == specs[1].hash and len({spec.hash for spec in specs}) == 3

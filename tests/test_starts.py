@@ -11,7 +11,6 @@ from move.sim.collect import attempts, collect, hand_near
 from move.sim.grasp_points import grasp_point
 from move.sim.scene.scene import Scene
 from move.sim.tasks import get_task
-from move.study.spec import CollectionRun
 
 TASK = get_task("pick-place")
 SPREAD = 0.03  # metres
@@ -76,11 +75,3 @@ def test_methods_share_starts_and_keep_their_grasp_points(protocol):
             assert episode.grasp.object_position == pytest.approx(grasp_point(protocol, TASK, number, 3), abs=2e-3)
     hands = {episode.start.hand_position for episode in tried["static"]}
     assert len(hands) == 8 and TASK.fixed.hand_position not in hands
-
-
-def test_starts_alike_do_not_enter_the_hash():
-    hashes = [CollectionRun(task="pick-place", seed=0, collection=collection).hash
-              for collection in (plan(hand_spread=0.0), plan(), plan(hand_spread=0.05))]
-    without = {name: value for name, value in plan(hand_spread=0.0).model_dump().items() if name != "hand_spread"}
-    old = CollectionRun(task="pick-place", seed=0, collection=without).hash
-    assert old == hashes[0] and len(set(hashes)) == 3
