@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import real_writers as w
-from shared import move
+from shared import move, plan
 
 from move import paths
 from move.errors import BadInput
@@ -23,6 +23,14 @@ from move.statistics.distance import Curve
 
 TABLE = ((0.0, -0.2), (0.4, 0.2))
 CURVE = Curve(0.9, (0.04,), 4.0)
+
+
+def collected(folder, **choices):
+    """A data set of static demonstrations, or what is chosen otherwise; returns its record."""
+    wanted = plan(**{"method": "static", **choices})
+    made, record = collecting.collect(wanted, 3)
+    dataset.save(made, folder, collecting.record_attributes(wanted, 3, record))
+    return record
 
 
 def spread(count: int, seed: int = 0) -> np.ndarray:
@@ -114,10 +122,8 @@ def test_what_places_rest_on_is_said(tmp_path, capsys):
 
 
 def test_demonstrations_that_no_budget_cuts_all_have_their_grasps_and_a_cut_one_alone_has_none(tmp_path):
-    for name, limits in (("whole", {"timesteps": 400, "demonstrations": 2}), ("cut", {"timesteps": 8})):
-        wanted = collecting.Collection(task="pick-place", method="static", **limits)
-        made, record = collecting.collect(wanted, 3)
-        dataset.save(made, tmp_path / name, collecting.record_attributes(wanted, 3, record))
+    collected(tmp_path / "whole", demonstrations=2)
+    collected(tmp_path / "cut", timesteps=8)
     whole = grasps(str(tmp_path / "whole"))
     assert len(whole.places) == 2 and whole.without == ()
     with pytest.raises(BadInput, match="its only demonstration was cut by the budget"):
@@ -125,9 +131,7 @@ def test_demonstrations_that_no_budget_cuts_all_have_their_grasps_and_a_cut_one_
 
 
 def test_a_data_set_collected_here_is_covered_by_its_own_grasp_points(tmp_path, capsys):
-    wanted = collecting.Collection(task="pick-place", method="static", timesteps=400)
-    made, record = collecting.collect(wanted, 3)
-    dataset.save(made, tmp_path / "data.zarr", collecting.record_attributes(wanted, 3, record))
+    record = collected(tmp_path / "data.zarr")
     found = grasps(str(tmp_path / "data.zarr"))
     assert found.places == pytest.approx(np.array(record.grasp_points)[:-1]), "the budget cut the last one"
     assert len(found.without) == 1 and f"1 of {record.demonstrations} demonstrations: cut" in found.without[0]
@@ -148,10 +152,8 @@ def test_where_the_object_moved_before_its_grasps_its_whole_way_was_seen(tmp_pat
     """Five places under MOVE are worth many more; the episodes that an export leaves out are not counted."""
     said = {}
     for method in ("static", "move"):
-        wanted = collecting.Collection(task="pick-place", method=method, timesteps=1000, demonstrations=10,
-                                       protocol="placed", placement=Placement(places=5))
-        made, record = collecting.collect(wanted, 3)
-        dataset.save(made, tmp_path / method, collecting.record_attributes(wanted, 3, record))
+        record = collected(tmp_path / method, method=method, timesteps=1000, demonstrations=10, protocol="placed",
+                           placement=Placement(places=5))
         _, out, _ = move(capsys, "coverage", str(tmp_path / method), "--json", "--within", "-20,50,10,80")
         said[method] = json.loads(out)
         ways = [where.object_position[:2] for phase, where in record.seen if phase == "pick"]
@@ -164,9 +166,7 @@ def test_where_the_object_moved_before_its_grasps_its_whole_way_was_seen(tmp_pat
 
 
 def test_what_an_export_left_out_is_not_counted(tmp_path):
-    wanted = collecting.Collection(task="pick-place", method="static", timesteps=400)
-    made, record = collecting.collect(wanted, 3)
-    dataset.save(made, tmp_path / "data", collecting.record_attributes(wanted, 3, record))
+    record = collected(tmp_path / "data")
     exporting.export(tmp_path / "data", tmp_path / "whole", "zarr", whole_episodes=True)
     found = grasps(str(tmp_path / "whole"))
     assert len(found.places) == record.demonstrations - 1 and found.without == ()
@@ -200,8 +200,6 @@ def test_places_on_one_line_span_no_part_of_a_table():
 def test_a_bad_request_is_one_line(tmp_path, capsys, arguments, problem):
     for name in ("folder.png", "other.pdf"):
         (tmp_path / name).mkdir()
-    wanted = collecting.Collection(task="pick-place", method="static", timesteps=200)
-    made, record = collecting.collect(wanted, 3)
-    dataset.save(made, tmp_path / "data", collecting.record_attributes(wanted, 3, record))
+    collected(tmp_path / "data", timesteps=200)
     code, _, err = move(capsys, "coverage", *(each.format(tmp_path) for each in arguments))
     assert code == 2 and problem in err and len(err.strip().splitlines()) == 1
