@@ -94,23 +94,6 @@ def test_one_successful_step_is_a_success_and_the_tenth_ends_the_episode(monkeyp
     assert row["success_steps"] == min(successful, SUCCESS_STEPS) and row["steps"] == steps
 
 
-@pytest.mark.parametrize("strict", [0, 1])
-def test_the_strict_condition_is_judged_beside_success(monkeypatch, strict):
-    real = Scene.advance
-
-    def advance(scene: Scene, action: np.ndarray) -> None:
-        real(scene, action)
-        scene.success, scene.recorded_steps = scene.steps == 5, {"strict_success": strict}
-
-    class Still(Recorder):
-        def act(self, running, scenes, observations):
-            return np.zeros((len(running), 3, 5), np.float32)
-
-    monkeypatch.setattr(Scene, "advance", advance)
-    (row,) = evaluate(Still(1, 3), get_task("hammer"), Evaluation(episodes=1))
-    assert row["success"] is True and row["strict_success"] is bool(strict)
-
-
 # which configurations ------------------------------------------------------------------------------------------------
 
 
