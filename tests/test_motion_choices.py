@@ -8,9 +8,6 @@ from move.sim.collect import attempts, surrounded
 from move.sim.motion.wrappers import Motions
 from move.sim.scene.scene import Scene
 from move.sim.tasks import get_task
-from move.study.kinds import policy_run
-from move.study.labels import grid
-from move.study.profiles import load_profile
 
 
 def test_a_rotation_can_be_left_out_where_there_is_one():
@@ -53,24 +50,3 @@ def test_without_a_choice_motions_are_what_they_were():
     assert plan().motions_used == Motions()
     given = Motions(object_speed=0.09)
     assert plan(motions=given).motions_used == given
-
-
-def test_speeds_are_an_axis_and_the_usual_one_reuses_the_run_that_exists():
-    smoke = load_profile("smoke")
-
-    def base(**settings):
-        return policy_run(smoke, task="push", method="move", seed=0, timesteps=100, **settings)
-
-    runs = grid(base, object_speed=(0.01, 0.03, 0.1))
-    assert [run.labels["object_speed"] for run in runs] == [0.01, 0.03, 0.1]
-    assert [run.spec.collection.motions_used.object_speed for run in runs] == [0.01, 0.03, 0.1]
-    assert runs[1].spec == base() and len({run.spec.hash for run in runs}) == 3
-
-
-def test_a_profile_can_choose_motions_for_all_its_runs():
-    profile = load_profile("smoke").model_copy(
-        update={"collection": {"move": {"object_speed": 0.01, "moving": ["object", "target"]}}})
-    made = [policy_run(profile, task="push", method=method, seed=0, timesteps=100).collection
-            for method in ("static", "move")]
-    assert (made[0].object_speed, made[0].moving) == (None, None)
-    assert (made[1].object_speed, made[1].moving) == (0.01, ("object", "target"))
