@@ -300,15 +300,6 @@ def test_what_cannot_be_moved_is_one_clear_line():
 
 
 @pytest.mark.filterwarnings("ignore")
-def test_gymnasiums_pusher_moves():
-    env = move.moving(gymnasium.make("Pusher-v5"), object="object", within=((0.2, -0.6), (0.8, 0.3)),
-                      target="goal", target_within=((0.2, -0.6), (0.8, 0.3)), phase=lambda scene: scene.steps > 40)
-    seen, marks = path(env, "object", 60), path(env, "goal", 60)
-    assert 0.05 < np.ptp(seen[:30], axis=0).max() < 30 * 0.03 and np.ptp(seen[31:], axis=0).max() < 1e-6
-    assert np.ptp(marks[:40], axis=0).max() == 0 and np.ptp(marks[41:], axis=0).max() > 0.01
-
-
-@pytest.mark.filterwarnings("ignore")
 def test_a_metaworld_task_outside_the_ten_moves_with_its_goal():
     from metaworld.env_dict import ALL_V3_ENVIRONMENTS
 
