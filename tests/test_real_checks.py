@@ -92,10 +92,6 @@ def test_a_sample_is_written_whole_or_not_at_all_and_never_over_something_else(t
     assert (tmp_path / "c/thesis.tex").read_text() == "mine"
 
 
-def test_real_data_are_not_called_simulated(tmp_path):
-    assert not open_dataset(w.lerobot_v2(tmp_path / "d")).simulated
-
-
 V2, V3 = "data/chunk-000/episode_{:06d}.parquet", "data/chunk-000/file-000.parquet"
 
 
@@ -291,19 +287,6 @@ def test_a_data_set_without_a_quantity_passes_little(tmp_path):
     assert set(table.loc[table["outcome"] == "pass", "name"]) == {"every chosen episode can be read",
                                                                   "all values are finite"}
     assert (table["outcome"] == "unknown").sum() >= 12
-
-
-def test_a_rate_is_compared_only_where_it_is_stated(sample):
-    assert outcomes(sample)["the rate is the stated one"] == "pass"
-    silent = [dataclasses.replace(e, fps=None) for e in sample.episodes]
-    assert outcomes(dataclasses.replace(sample, episodes=tuple(silent)))["the rate is the stated one"] == "unknown"
-
-
-def test_unread_and_unknown_units_differ(sample):
-    assert outcomes(dataclasses.replace(sample, unread=("a: broken",)))["every chosen episode can be read"] == "differs"
-    units = sample.units.assign(unit="unknown")
-    assert outcomes(dataclasses.replace(sample, units=units))["all units are known"] == "differs"
-    assert outcomes(dataclasses.replace(sample, units=units[:0]))["all units are known"] == "unknown"
 
 
 def test_what_is_not_finite_is_left_out_and_named(tmp_path):

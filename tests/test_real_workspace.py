@@ -113,16 +113,6 @@ def test_tracking_finds_the_centre_and_hides_what_is_not_orange():
     assert tracking.speeds(centres, np.arange(4) / 2)[0] == pytest.approx(20)
 
 
-@pytest.mark.parametrize("colour", [(255, 140, 0), (230, 120, 40), (200, 110, 20)])
-def test_shades_of_orange(colour):
-    assert tracking.orange_mask(square(0, 0, colour)).sum() == 16
-
-
-@pytest.mark.parametrize("colour", [(255, 255, 0), (128, 128, 128), (210, 170, 140), (60, 30, 5), (0, 0, 0)])
-def test_skin_yellow_grey_and_dark_are_not_orange(colour):
-    assert tracking.orange_mask(square(0, 0, colour)).sum() == 0
-
-
 def test_orange_is_what_hue_saturation_and_value_say():
     """Whatever the colour, on a grid through all of them."""
     levels = np.arange(0, 256, 5, dtype=np.uint8)
