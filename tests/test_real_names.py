@@ -115,13 +115,25 @@ def test_a_units_file_says_whether_joints_are_degrees_or_per_cent(tmp_path, said
         np.testing.assert_allclose(e.joints, joints(swing(80.0)))
 
 
-@pytest.mark.parametrize(("robot", "largest", "unit"), [
-    ("piper", 85.0, "deg"), ("franka", 2.8, "rad"), ("ur5e", 85.0, "unknown"), (None, 85.0, "unknown"),
-    ("ur5e", 140.0, "deg")])
-def test_what_other_arms_tell(tmp_path, robot, largest, unit):
-    names = [f"joint_{n}" for n in range(1, 6)]
-    data = open_dataset(arm(tmp_path / "d", swing(largest), names, robot))
-    assert data.units.set_index("quantity").loc["joints", "unit"] == unit
+COUNTS = "mdeg or counts of a motor: name it in a units file"
+
+
+@pytest.mark.parametrize(("robot", "largest", "unit", "note"), [
+    ("piper", 85.0, "deg", ""), ("franka", 2.8, "rad", ""), ("ur5e", 85.0, "unknown", "degrees or -100..100 per cent"),
+    (None, 85.0, "unknown", "degrees or -100..100 per cent"), ("ur5e", 140.0, "deg", ""),
+    ("so101_follower", 2900.0, "unknown", COUNTS), ("koch", 4000.0, "unknown", COUNTS),
+    ("ur5e", 90_000.0, "unknown", COUNTS), (None, 3500.0, "unknown", COUNTS), (None, 90_000.0, "mdeg", ""),
+    ("piper", 3500.0, "mdeg", "")])
+def test_what_large_numbers_of_joints_and_gripper_are_depends_on_the_arm(tmp_path, robot, largest, unit, note):
+    names = [f"joint_{n}" for n in range(1, 6)] + ["gripper"]
+    values = np.column_stack([swing(largest), np.linspace(2000, min(largest, 70_000.0), w.STEPS)])
+    data = open_dataset(arm(tmp_path / "d", values, names, robot))
+    told, e = data.units.set_index("quantity"), data.episodes[0]
+    assert told.loc["joints", "unit"] == unit and note in told.loc["joints", "note"]
+    assert (e.joints is None) == (unit == "unknown")
+    if largest > 1000:
+        assert told.loc["gripper", "unit"] == ("um" if unit == "mdeg" else "unknown")
+        assert (e.gripper is None) == (unit == "unknown")
 
 
 @pytest.mark.parametrize(("name", "values", "unit", "expected", "turned_into"), [
@@ -163,22 +175,6 @@ def test_a_piper_beyond_its_limits_is_not_placed(tmp_path):
     data = open_dataset(w.lerobot_v2(tmp_path / "d", values=lambda n: w.state(n) + [0, 0, 2.0, 0, 0, 0, 0]))
     assert positions(data.episodes[0]) is None
     assert "2 of 2 episodes: joints beyond PIPER's limits" in why_no_positions(data.episodes)
-
-
-@pytest.mark.parametrize(("robot", "largest", "unit"), [
-    ("so101_follower", 2900.0, "unknown"), ("koch", 4000.0, "unknown"), ("ur5e", 90_000.0, "unknown"),
-    (None, 3500.0, "unknown"), (None, 90_000.0, "mdeg"), ("piper", 3500.0, "mdeg")])
-def test_counts_of_a_motor_are_no_thousandths_of_a_degree(tmp_path, robot, largest, unit):
-    names = [f"joint_{n}" for n in range(1, 6)] + ["gripper"]
-    values = np.column_stack([swing(largest), np.linspace(2000, min(largest, 70_000.0), w.STEPS)])
-    data = open_dataset(arm(tmp_path / "d", values, names, robot))
-    told, e = data.units.set_index("quantity"), data.episodes[0]
-    assert told.loc["joints", "unit"] == unit and (e.joints is None) == (unit == "unknown")
-    if unit == "unknown":
-        assert "mdeg or counts of a motor: name it in a units file" in told.loc["joints", "note"]
-        assert told.loc["gripper", "unit"] == "unknown" and e.gripper is None
-    else:
-        assert told.loc["gripper", "unit"] == "um"
 
 
 def test_joints_of_a_layout_that_names_no_arm_may_be_per_cent_too(tmp_path):

@@ -3,12 +3,9 @@
 import numpy as np
 import pytest
 import real_writers as w
-from hypothesis import given
-from hypothesis import strategies as st
 
 from move.errors import BadInput
 from move.realworld import check_dataset, open_dataset
-from move.realworld.units import RANGES, UNITS, by_size
 
 # The rows of the table of known sources: joints scale, gripper values, unit of each, gripper in SI or 0..1.
 SOURCES = {
@@ -107,11 +104,15 @@ def test_a_part_of_its_own_wins_and_closed_can_be_high(tmp_path):
     ("joint_rad", 180 / np.pi, 1.0, "joints", "names: rad; the numbers look like deg"),
     ("gripper_deg", 1.0, 1.5, "gripper", "names: deg"),
     ("joint_deg", 1.0, 0.07, "joints", "names: deg; the numbers look like rad"),
-    ("joint_mdeg", 180 / np.pi, 0.07, "joints", "names: mdeg; the numbers look like deg")])
+    ("joint_mdeg", 180 / np.pi, 0.07, "joints", "names: mdeg; the numbers look like deg"),
+    ("joint_turns", 1.0, 0.07, "joints", "names: turns, no unit of it"),
+    (["rad"] * 5 + ["deg"], 1.0, 0.07, "joints", "names: deg and rad, no unit of it"),
+    (["rad", "ticks", *["rad"] * 4], 1.0, 0.07, "joints", "names: rad and ticks, no unit of it")])
 def test_numbers_that_do_not_fit_a_unit_have_none(tmp_path, names, joints, gripper, quantity, note):
     scale = 1 / np.abs([w.joints(n) for n in range(2)]).max() if joints is None else joints
-    kind, _, unit = (names or "").partition("_")
-    named = names and [*(f"joint_{n}_{unit if kind == 'joint' else 'rad'}" for n in range(1, 7)),
+    kind, _, unit = names.partition("_") if isinstance(names, str) else ("joint", "_", names)
+    ends = np.resize(unit if kind == "joint" else "rad", 6)
+    named = names and [*(f"joint_{n}_{end}" for n, end in enumerate(ends, 1)),
                        f"gripper_{unit}" if kind == "gripper" else "gripper"]
     data = open_dataset(source(tmp_path / "d", scale, [0.0, gripper, 0.0], **({"names": named} if named else {})))
     told = data.units.set_index("quantity").loc[quantity]
@@ -176,25 +177,6 @@ def test_a_bad_units_file_is_one_line(tmp_path, text, says):
     assert says in str(caught.value) and "\n" not in str(caught.value)
 
 
-@given(st.sampled_from(sorted(RANGES)), st.floats(0, 1e7))
-def test_a_size_gives_one_known_unit_or_none(quantity, largest):
-    unit = by_size(quantity, largest)
-    assert unit == "unknown" or unit in UNITS[quantity]
-    if unit != "unknown":
-        low, high = next((low, high) for low, high, name in RANGES[quantity] if name == unit)
-        assert low <= largest <= high
-
-
-@pytest.mark.parametrize(("ends", "said"), [
-    (["rad"] * 5 + ["deg"], "names: deg and rad, no unit of it"), (["turns"] * 6, "names: turns, no unit of it"),
-    (["rad", "ticks", *["rad"] * 4], "names: rad and ticks, no unit of it")])
-def test_joints_that_name_several_units_or_one_that_is_none_have_none(tmp_path, ends, said):
-    names = [*(f"joint_{n}_{end}" for n, end in enumerate(ends, 1)), "gripper_m"]
-    data = open_dataset(w.lerobot_v2(tmp_path / "d", names=names))
-    assert said in data.units.set_index("quantity").note["joints"]
-    assert all(episode.joints is None for episode in data.episodes)
-
-
 def test_a_units_file_settles_episodes_that_look_like_different_units(tmp_path):
     folder = w.lerobot_v2(tmp_path / "d", dtype=np.float64, values=lambda n: np.column_stack(
         [w.joints(n) * (1, 180 / np.pi)[n], np.linspace(0.09, 0.05, w.STEPS)]))
@@ -206,13 +188,3 @@ def test_a_units_file_settles_episodes_that_look_like_different_units(tmp_path):
 def test_what_is_relative_is_no_joint(tmp_path):
     names = [*(f"delta_joint_{n}" for n in range(1, 7)), "gripper"]
     assert all(episode.joints is None for episode in open_dataset(w.lerobot_v2(tmp_path / "d", names=names)).episodes)
-
-
-def test_a_gripper_whose_large_numbers_are_closed_opens_the_other_way_in_any_unit(tmp_path):
-    names = [*(f"joint_{n}_rad" for n in range(1, 7)), "gripper_rad"]
-    angles = np.linspace(0.0, 0.8, w.STEPS)
-    folder = w.lerobot_v2(tmp_path / "d", names=names, dtype=np.float64, robot_type="ur5e",
-                          values=lambda n: np.column_stack([w.joints(n), angles]))
-    (tmp_path / "units.yaml").write_text("'*': {gripper_closed_is: high}")
-    usual, turned = open_dataset(folder), open_dataset(folder, units_file=tmp_path / "units.yaml")
-    np.testing.assert_allclose(turned.episodes[0].gripper, angles[::-1] * (usual.episodes[0].gripper[-1] / 0.8))
