@@ -144,7 +144,7 @@ NO_LISTING = {
     "empty": [], "no path": [{"size": 3}], "no size": [row("a", None)], "path a number": [row(5, 3)],
     "size a text": [row("a", "big")], "size below 0": [row("a", -1)], "a name outside": [row("../../evil", 3)],
     "an absolute name": [row("/etc/x", 3)], "a drive": [row("C:/x", 3)], "a long name": [row("a" * 5000, 3)],
-    "markup": [row("<b>", 3)]}.items()}
+    "a backslash": [row("a\\b", 3)], "markup": [row("<b>", 3)]}.items()}
 
 
 @pytest.mark.parametrize("answer", NO_LISTING)
