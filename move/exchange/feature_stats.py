@@ -40,10 +40,9 @@ def pooled_stats(episodes: list[dict[str, Stats]]) -> dict[str, Stats]:
     for feature in episodes[0]:
         each = {name: np.array([stats[feature][name] for stats in episodes]) for name in episodes[0][feature]}
         count, mean = each.pop("count").ravel(), each["mean"]
-        weight = (count / count.sum()).reshape(-1, *[1] * (mean.ndim - 1))
-        centre = (weight * mean).sum(axis=0)
+        centre = np.average(mean, axis=0, weights=count)
         found = {"min": each["min"].min(axis=0), "max": each["max"].max(axis=0), "mean": centre,
-                 "std": np.sqrt((weight * (each["std"] ** 2 + (mean - centre) ** 2)).sum(axis=0)),
-                 **{name: (weight * each[name]).sum(axis=0) for name in QUANTILES}}
+                 "std": np.sqrt(np.average(each["std"] ** 2 + (mean - centre) ** 2, axis=0, weights=count)),
+                 **{name: np.average(each[name], axis=0, weights=count) for name in QUANTILES}}
         pooled[feature] = {**{name: value.tolist() for name, value in found.items()}, "count": [int(count.sum())]}
     return pooled
