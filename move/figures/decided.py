@@ -80,7 +80,7 @@ def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:
     shown = pairs().merge(tables["differences"], how="left", on=["claim", "variant", "baseline"])
     for place, row in enumerate(shown.itertuples()):
         if pd.isna(row.difference):
-            ax.plot(0, place, marker="$?$", ms=5, mew=0.3, color=GREY)
+            ax.annotate("?", (0, place), (4, 0), textcoords="offset points", va="center", color=GREY)
         else:
             ax.errorbar(row.difference, place, xerr=errors(row, "difference"), fmt="o", ms=3.5, lw=1, capsize=1.5,
                         color="black")
@@ -101,7 +101,7 @@ WORDS = Words(
     title="Claims asked again, with new seeds",
     shown=(f"Differences in success between the two sides of claims that a first look left open: as many new seeds and "
            f"configurations as the ledger said would decide them. A question mark: a run of the claim is missing. "
-           f"{INTERVALS}"),
+           f"MOVE matches static (claim 7) where its interval is above \N{MINUS SIGN}10. {INTERVALS}"),
     alt="One line a difference with its interval.",
     tables={"": f"Claims asked again. {RATES}", "differences": f"Claims asked again. {DIFFERENCES}"},
 )
