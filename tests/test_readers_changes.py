@@ -107,6 +107,11 @@ def test_a_figures_files_are_listed_with_its_pictures_first():
     assert {"fig1_sparse.csv", "fig1_sparse_hand.tex"} <= set(listed) and len(listed) == len(set(listed))
 
 
+def test_no_file_is_of_two_figures_though_one_has_a_name_that_begins_as_the_others():
+    owners = [path for name in names() for path in kept.files_of(name, LAPTOP.figures)]
+    assert len(owners) == len(set(owners)) > 100 and "decided.csv" in {path.name for path in owners}
+
+
 def test_bad_input_in_a_notebook_is_one_line():
     assert BadInput("seeds: -1 given")._render_traceback_()[0].endswith("BadInput\x1b[0m: seeds: -1 given")
 

@@ -18,7 +18,7 @@ from typing import Any
 
 import pandas as pd
 
-from move.figures import load
+from move.figures import load, names
 from move.figures.page.changes import plain
 from move.figures.page.data import Data
 from move.figures.page.parameters import SHARED
@@ -70,7 +70,8 @@ def tables(name: str, folder: Path) -> dict[str, pd.DataFrame]:
 def files_of(name: str, folder: Path) -> list[Path]:
     """The files of a figure in a folder that may hold others': pictures first, then films, captions, tables, others."""
     own = (name, *load(name).WORDS.others)
-    found = [path for path in folder.glob("*") if any(
+    longer = tuple(other for other in names() if other.startswith(f"{name}_"))
+    found = [path for path in folder.glob("*") if not path.name.startswith(longer) and any(
         path.name.startswith(one) and not path.name[len(one):len(one) + 1].isalnum() for one in own)]
     return sorted(found, key=lambda path: ([*WRITTEN, path.suffix].index(path.suffix), path.name))
 
