@@ -137,6 +137,14 @@ def test_the_claims_are_data_and_each_names_a_figure_and_quantities_that_exist()
     assert set(QUANTITIES) == {one.quantity for each in claims() for one in each.findings}
 
 
+def test_a_claim_that_is_asked_again_says_so_and_counts_whole():
+    again = [each for each in claims() if each.figure.startswith("decided")]
+    assert {each.number for each in again} == {7, 11, 13, 25, 26}
+    for each in again:
+        assert "new seeds, which alone count" in each.changed
+        assert all(one.options == {"whole": True} for one in each.findings), each.number
+
+
 def test_every_printed_value_in_the_claims_is_the_papers():
     for each in claims():
         known = paper.PAPER[paper.PAPER.experiment.isin([each.figure, "table2_main"])].value
@@ -214,20 +222,22 @@ def test_more_seeds_cost_what_all_parts_of_a_seed_have_cost(monkeypatch):
     assert design.evaluation_minutes == pytest.approx(2 * 1.5 * 100 / 50)
 
 
-@pytest.mark.parametrize("stored, decided", [({0, 1, 2, 3}, True), ({0, 1, 2}, False)])
-def test_what_counts_as_a_whole_is_not_decided_before_its_last_run(stored, decided, monkeypatch):
-    runs = [("a", 0), ("a", 1), ("b", 0), ("b", 1)]
+@pytest.mark.parametrize("quantity", ["difference", "rate", "near_minus_far"])
+@pytest.mark.parametrize("missing", [False, True])
+def test_what_counts_as_a_whole_is_not_decided_before_its_last_run(quantity, missing):
+    runs = [(variant, seed) for variant in "ba" for seed in range(4)]
+    stored = range(len(runs) - missing)  # of "a", which every quantity is about, the last one or none
     asked = pd.DataFrame([{"run": place, "variant": variant, "seed": seed, "stored": place in stored, "steps": 1000}
                           for place, (variant, seed) in enumerate(runs)])
     rows = asked[asked.stored].drop(columns="stored").merge(
         pd.DataFrame({"trial": range(50), "group": "", "success": [True, False] * 25}), how="cross")
     evidence = Evidence(LAPTOP)
     vars(evidence).update(asked=lambda _: asked, stored=lambda _: {}, episodes=lambda _: rows, _minutes_a_step=0.01)
-    each = data.Quantity(quantity="difference", one={"variant": "a"}, other={"variant": "b"})
-    whole, = QUANTITIES["difference"](evidence, each.model_copy(update={"options": {"whole": True}}), "decided")
-    part, = QUANTITIES["difference"](evidence, each, "decided")
-    assert isinstance(whole, Finding) == decided and isinstance(part, Finding)
-    assert decided or (whole.runs, whole.minutes) == (1, 10.0)
+    each = data.Quantity(quantity=quantity, one={"variant": "a"}, other={"variant": "b"})
+    whole, = QUANTITIES[quantity](evidence, each.model_copy(update={"options": {"whole": True}}), "decided")
+    part, = QUANTITIES[quantity](evidence, each, "decided")
+    assert isinstance(part, Finding) and isinstance(whole, Missing if missing else Finding)
+    assert not missing or (whole.runs, whole.minutes) == (1, 10.0)
 
 
 @pytest.mark.parametrize("profile, gl", [("laptop", True), ("laptop-keypoints", True), ("smoke", False),

@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 from move.errors import BadInput
-from move.figures import decided, fig_coverage
+from move.figures import decided, decided_places, fig_coverage
 from move.figures.page.parameters import specs, with_runs
 from move.figures.plots import style
 from move.statistics.training_noise import UNKNOWN
@@ -80,6 +80,14 @@ def test_a_claim_that_is_asked_again_is_shown_once_its_last_run_is_there():
     data = SimpleNamespace(runs=runs, missing=[(last, "not computed yet")], episodes=episodes,
                            noise=lambda: UNKNOWN)
     assert [set(table.claim) for table in decided.tables(data).values()] == [{7, 25}] * 2
+
+
+@pytest.mark.parametrize("missing", [[], ["the last run"]])
+def test_places_that_are_asked_again_are_shown_once_their_last_run_is_there(missing):
+    episodes = pd.DataFrame({"run": "a", "method": "static", "seed": 10, "trial": range(20), "success": True,
+                             "group": ["point", "grid"] * 10})
+    data = SimpleNamespace(missing=missing, episodes=episodes, noise=lambda grid: UNKNOWN)
+    assert len(decided_places.tables(data)[""]) == (0 if missing else 2)
 
 
 def test_coverage_is_told_where_nothing_has_a_counterpart():
