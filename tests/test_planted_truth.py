@@ -1948,6 +1948,17 @@ def test_a_claims_intervals_are_those_of_the_figures_own_table(world, number):
             "table2_main", method=method, observation="rgb")}
 
 
+def test_rates_at_nine_places_that_are_asked_again_stand_and_are_told_at_their_names(world):
+    text, (_, ax, *_) = here(world, "decided_places"), world.figures["decided_places"].axes
+    names = {"point": "nine places", "grid": "whole space"}
+    rows = {names[row.group]: row for row in world.table("decided_places").itertuples()}
+    for place, *numbers, colour in drawn(ax):
+        row = rows.pop(tick(ax, place))
+        assert (numbers, colour) == (pytest.approx([row.value, row.low, row.high], abs=ROUNDED), COLOURS["static"])
+        assert f"{names[row.group]} {row.value:.0%} [{row.low:.0%}, {row.high:.0%}]" in text
+    assert not rows
+
+
 def test_the_papers_rate_at_nine_places_is_dotted_where_the_whole_space_stands(world):
     world.show("decided_places")
     _, ax = world.figures["decided_places"].axes[:2]
