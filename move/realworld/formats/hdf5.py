@@ -207,14 +207,18 @@ def _pika_camera(path: Path, data: h5py.Dataset) -> Frames:
         return from_hdf5(path, data.name, bgr=True)
     if data.dtype.kind not in "OS":
         raise BadInput(f"{path}:{data.name}: found {data.dtype} {data.shape}; expected names of images")
-    return from_files([inside(path.parent, name) for name in data.asstr()[:]])
+    return from_files([inside(path.parent, name) for name in _image_names(data)])
+
+
+def _image_names(data: h5py.Dataset) -> list[str]:
+    return [name.decode() if isinstance(name, bytes) else str(name) for name in data]
 
 
 def _pika_stamps(data: h5py.Dataset) -> np.ndarray | None:
     """The times that a camera's images are named by, (T,) s; None where their names are no numbers."""
     if data.ndim > 1:
         return None
-    stems = [PurePosixPath(name).stem for name in data.asstr()[:]]
+    stems = [PurePosixPath(name).stem for name in _image_names(data)]
     return np.array(stems, float) if all(re.fullmatch(r"[1-9]\d{9}(\.\d+)?", stem) for stem in stems) else None
 
 
