@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import asyncio
 import os
+import signal
 import sys
-from multiprocessing.context import ForkProcess
 from typing import Any
 
 from jupyter_client.connect import KernelConnectionInfo
@@ -16,24 +16,44 @@ POSSIBLE = sys.platform == "linux"
 """Elsewhere a forked process may not use the system's libraries."""
 
 
-class ForkedProcess(ForkProcess):
+class ForkedProcess:
     """A process that runs a kernel, with what its manager asks of a `subprocess.Popen`."""
 
     stdin = stdout = stderr = None
 
+    def __init__(self, connection_file: str, folder: str) -> None:
+        self.returncode: int | None = None
+        self.pid = os.fork()
+        if not self.pid:
+            _run_kernel(connection_file, folder)
+
     def poll(self) -> int | None:
         """The exit code, or None while it runs."""
-        return self.exitcode
+        return self._ended(os.WNOHANG)
 
     def wait(self) -> int | None:
         """The exit code, once it has ended."""
-        self.join()
-        return self.exitcode
+        return self._ended(0)
 
     def send_signal(self, number: int) -> None:
         """Send a signal, if it runs."""
-        if self.pid and self.is_alive():
+        if self.poll() is None:
             os.kill(self.pid, number)
+
+    def terminate(self) -> None:
+        """Ask it to end."""
+        self.send_signal(signal.SIGTERM)
+
+    def kill(self) -> None:
+        """End it."""
+        self.send_signal(signal.SIGKILL)
+
+    def _ended(self, options: int) -> int | None:
+        if self.returncode is None:
+            found, status = os.waitpid(self.pid, options)
+            if found:
+                self.returncode = os.waitstatus_to_exitcode(status)
+        return self.returncode
 
 
 def _run_kernel(connection_file: str, folder: str) -> None:
@@ -56,9 +76,7 @@ class ForkedProvisioner(LocalProvisioner):
     async def launch_kernel(self, cmd: list[str], **kwargs: Any) -> KernelConnectionInfo:
         """Start it; of the command line only the connection file is of use."""
         assert isinstance(self.parent, AsyncKernelManager)
-        folder = kwargs.get("cwd") or os.getcwd()
-        process = ForkedProcess(target=_run_kernel, args=(self.parent.connection_file, folder))
-        process.start()
+        process = ForkedProcess(self.parent.connection_file, kwargs.get("cwd") or os.getcwd())
         self.process: Any = process
         self.pid, self.pgid = process.pid, None
         return self.connection_info
