@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import recipes
 import torch
+from safetensors.torch import load_file, save_file
 
 from move.errors import BadInput
 from move.learn import checkpoint
@@ -245,6 +246,15 @@ def change_record(folder, digest="kept", **changes):
     (folder / "run.json").write_text(json.dumps(record))
 
 
+def lose_a_number(folder):
+    """A weight that is no number, in a file whose digest fits."""
+    path = next(folder.glob("tensors-*"))
+    tensors = load_file(path)
+    tensors["averaged/action_normalizer.scale"][0] = torch.nan
+    save_file(tensors, path)
+    change_record(folder, "fitting")
+
+
 def flip_a_bit(folder):
     path = next(folder.glob("tensors-*"))
     content = bytearray(path.read_bytes())
@@ -271,6 +281,8 @@ def flip_a_bit(folder):
     (lambda folder: change_record(folder, "fitting", action_size=4), "size mismatch for action_normalizer.scale"),
     (lambda folder: change_record(folder, "fitting", training=settings(mlp_depth=2).model_dump()), "Missing key"),
     (lambda folder: change_record(folder, training=settings().model_dump() | {"mlp_width": 10**7}), "mlp_width"),
+    (lambda folder: change_record(folder, "fitting", training=settings(mlp_depth=200).model_dump()), "more blocks"),
+    (lose_a_number, "not all numbers are finite"),
     (lambda folder: change_record(folder, "none"), "digest: field required"),
     (flip_a_bit, "its content does not fit its digest"),
 ])

@@ -134,7 +134,12 @@ def read(folder: Path, device: str = "cpu") -> Checkpoint | None:
 
 
 def _refuse_another_network(checkpoint: Checkpoint) -> None:
-    """Refuse weights of another network than the one that the settings build here."""
+    """Refuse weights that are not finite, or of another network than the one that the settings build here."""
+    training, tensors = checkpoint.training, checkpoint.tensors
+    if max(training.mlp_depth, training.cnn_blocks) > len(tensors):  # else such a network would be laid out below
+        raise ValueError(f"{len(tensors)} tensors for a network that has more blocks")
+    if not all(torch.isfinite(tensor).all() for tensor in tensors.values()):
+        raise ValueError("tensors: not all numbers are finite")
     with torch.device("meta"):  # nothing is allocated
         policy = DiffusionPolicy(checkpoint.training, checkpoint.observation_shape, checkpoint.action_size)
     policy.load_state_dict(checkpoint.group("averaged"), assign=True)
