@@ -15,7 +15,7 @@ from move.figures.page.parameters import Count, Seeds
 from move.figures.plots.axes import errors, lines_axis, points_axis
 from move.figures.plots.style import COLUMN_WIDTH, GREY
 from move.figures.tables import rate_table
-from move.figures.tables.differences import difference_text, variant_table
+from move.figures.tables.differences import difference_brief, variant_table
 from move.study.kinds import policy_run
 from move.study.labels import LabelledRun, grid
 from move.study.profiles import Profile
@@ -91,9 +91,9 @@ def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:
 
 def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
     """Each difference with its interval."""
-    each = "; ".join(f"claim {row.claim}, {row.variant} minus {row.baseline}: {difference_text(row)}"
+    each = "; ".join(f"claim {row.claim}, {row.variant} minus {row.baseline}: {difference_brief(row)}"
                      for _, row in tables["differences"].iterrows())
-    return (f"**The paper** makes these claims with no number for them. **Here**, with seeds of its own: "
+    return (f"**The paper** gives no numbers. **Here**, with new seeds, in points: "
             f"{each or 'nothing is computed yet'}. **How sure:** {data.sample_size}")
 
 
