@@ -236,8 +236,16 @@ def test_a_missing_checkpoint_is_named(tmp_path):
         load_policy(tmp_path / "nowhere")
 
 
+def change_tensors(folder, change, digest="kept"):
+    """Edit the tensors by `change`; the digest is kept, made to fit, or taken away."""
+    path = next(folder.glob("tensors-*"))
+    tensors = load_file(path)
+    change(tensors)
+    save_file(tensors, path)
+    change_record(folder, digest)
+
+
 def change_record(folder, digest="kept", **changes):
-    """Edit the record; its digest is kept, made to fit, or taken away."""
     record = json.loads((folder / "run.json").read_text()) | changes
     if digest != "kept":
         del record["digest"]
@@ -246,20 +254,19 @@ def change_record(folder, digest="kept", **changes):
     (folder / "run.json").write_text(json.dumps(record))
 
 
-def lose_a_number(folder):
-    """A weight that is no number, in a file whose digest fits."""
-    path = next(folder.glob("tensors-*"))
-    tensors = load_file(path)
-    tensors["averaged/action_normalizer.scale"][0] = torch.nan
-    save_file(tensors, path)
-    change_record(folder, "fitting")
-
-
 def flip_a_bit(folder):
     path = next(folder.glob("tensors-*"))
     content = bytearray(path.read_bytes())
     content[-7] ^= 1
     path.write_bytes(content)
+
+
+NAN = {"averaged/action_normalizer.scale": torch.full((3,), torch.nan)}
+
+
+def larger(**changes: int) -> dict:
+    """Settings as JSON holds them, with what no settings can be."""
+    return settings().model_dump() | changes
 
 
 @pytest.mark.parametrize(("damage", "reason"), [
@@ -276,13 +283,18 @@ def flip_a_bit(folder):
     (lambda folder: change_record(folder, tensors="../tensors-0000006.safetensors"), "tensors: .*string should match"),
     (lambda folder: change_record(folder, step="abc"), "step: 'abc' given; input should be a valid integer"),
     (lambda folder: change_record(folder, step=-1), "step: -1 given; input should be greater"),
+    (lambda folder: change_record(folder, "fitting", step=10**9), "step 1000000000 of 6"),
+    (lambda folder: change_record(folder, "fitting", step=5), "losses: shape .6,. given, .5,. needed"),
     (lambda folder: change_record(folder, seconds="x"), "seconds: 'x' given; input should be a valid number"),
     (lambda folder: change_record(folder, action_size=-1), "action_size: -1 given; input should be greater than 0"),
-    (lambda folder: change_record(folder, "fitting", action_size=4), "size mismatch for action_normalizer.scale"),
-    (lambda folder: change_record(folder, "fitting", training=settings(mlp_depth=2).model_dump()), "Missing key"),
-    (lambda folder: change_record(folder, training=settings().model_dump() | {"mlp_width": 10**7}), "mlp_width"),
+    (lambda folder: change_record(folder, "fitting", action_size=4), "shape .3,. given, .4,. needed"),
+    (lambda folder: change_record(folder, "fitting", observation_shape=[10**10]), "shape"),
+    (lambda folder: change_record(folder, "fitting", observation_shape=[10**30]), "checkpoint"),
+    (lambda folder: change_record(folder, "fitting", training=larger(mlp_width=10**7)), "mlp_width"),
+    (lambda folder: change_record(folder, "fitting", training=larger(mlp_depth=200_000)), "mlp_depth"),
     (lambda folder: change_record(folder, "fitting", training=settings(mlp_depth=200).model_dump()), "more blocks"),
-    (lose_a_number, "not all numbers are finite"),
+    (lambda folder: change_tensors(folder, lambda tensors: tensors.pop("losses"), "fitting"), "losses: shape None"),
+    (lambda folder: change_tensors(folder, lambda tensors: tensors.update(NAN), "fitting"), "numbers are finite"),
     (lambda folder: change_record(folder, "none"), "digest: field required"),
     (flip_a_bit, "its content does not fit its digest"),
 ])
@@ -290,6 +302,14 @@ def test_a_damaged_checkpoint_is_refused_in_one_line(finished, damage, reason):
     damage(finished)
     with pytest.raises(UnusableCheckpoint, match=f"^cannot read the checkpoint in [^\n]*{reason}[^\n]*$"):
         load_policy(finished)
+
+
+def test_an_unfinished_checkpoint_without_adams_moments_is_refused(tmp_path):
+    with pytest.raises(KeyboardInterrupt):
+        train(keypoints(), settings(), 3, tmp_path, checkpoint_every=2, on_step=interrupt_after(5))
+    change_tensors(tmp_path, lambda tensors: tensors.pop("adam/0/exp_avg"), "fitting")
+    with pytest.raises(UnusableCheckpoint, match="adam/0/exp_avg: shape None given"):
+        read(tmp_path)
 
 
 def test_a_policy_of_another_task_is_refused_and_of_an_unknown_one_not(tmp_path):

@@ -127,22 +127,41 @@ def read(folder: Path, device: str = "cpu") -> Checkpoint | None:
         tensors = load_file(folder / record.tensors, device=device)
         fields = {name: value for name, value in record if name not in ("format", "digest")}
         checkpoint = Checkpoint(**{**fields, "tensors": tensors})
-        _refuse_another_network(checkpoint)
+        _check(checkpoint)
         return checkpoint
-    except (OSError, ValueError, RuntimeError, SafetensorError) as error:
+    except (OSError, ValueError, TypeError, OverflowError, RuntimeError, SafetensorError) as error:
         raise UnusableCheckpoint(f"cannot read the checkpoint in {folder}: {reason_of(error, 'run.json')}") from error
 
 
-def _refuse_another_network(checkpoint: Checkpoint) -> None:
-    """Refuse weights that are not finite, or of another network than the one that the settings build here."""
+def _check(checkpoint: Checkpoint) -> None:
+    """Refuse tensors that are not those of such a policy after so many steps, or not finite."""
     training, tensors = checkpoint.training, checkpoint.tensors
+    if checkpoint.step > training.gradient_steps:
+        raise ValueError(f"step {checkpoint.step} of {training.gradient_steps}")
     if max(training.mlp_depth, training.cnn_blocks) > len(tensors):  # else such a network would be laid out below
         raise ValueError(f"{len(tensors)} tensors for a network that has more blocks")
-    if not all(torch.isfinite(tensor).all() for tensor in tensors.values()):
-        raise ValueError("tensors: not all numbers are finite")
+    found = {name: tuple(tensor.shape) for name, tensor in tensors.items()}
+    needed = _shapes(checkpoint)
+    for name in [*needed, *found]:
+        if found.get(name) != needed.get(name):
+            raise ValueError(f"{name}: shape {found.get(name)} given, {needed.get(name)} needed")
+    for name, tensor in tensors.items():
+        if not torch.isfinite(tensor).all():
+            raise ValueError(f"{name}: not all numbers are finite")
+
+
+def _shapes(checkpoint: Checkpoint) -> dict[str, tuple[int, ...]]:
+    """The shape of each tensor of a checkpoint, by its name."""
     with torch.device("meta"):  # nothing is allocated
         policy = DiffusionPolicy(checkpoint.training, checkpoint.observation_shape, checkpoint.action_size)
-    policy.load_state_dict(checkpoint.group("averaged"), assign=True)
+    state = {name: tuple(tensor.shape) for name, tensor in policy.state_dict().items()}
+    shapes = {f"averaged/{name}": shape for name, shape in state.items()} | {"losses": (checkpoint.step,)}
+    if not checkpoint.finished:
+        shapes |= {f"network/{name}": shape for name, shape in state.items()}
+        for number, weight in enumerate(policy.parameters()):
+            shapes |= {f"adam/{number}/{name}": tuple(weight.shape) for name in ("exp_avg", "exp_avg_sq")}
+            shapes[f"adam/{number}/step"] = ()
+    return shapes
 
 
 def _existing(folder: Path) -> Checkpoint:
