@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 from move.errors import BadInput
-from move.figures import decided, decided_places, fig_coverage
+from move.figures import decided, decided_places, fig_coverage, table1_spatial_factors
 from move.figures.page.parameters import specs, with_runs
 from move.figures.plots import style
 from move.statistics.training_noise import UNKNOWN
@@ -95,3 +95,19 @@ def test_coverage_is_told_where_nothing_has_a_counterpart():
             for place, (task, moves) in enumerate((task, moves) for task in ("push", "hammer")
                                                   for moves in ("all", "object", "camera"))]
     assert "MOVE's gains" not in fig_coverage.coverage_text(pd.DataFrame(rows))
+
+
+def test_what_static_loses_is_as_sure_as_the_trainings_of_both_methods_where_nothing_else_is_known():
+    """All cells of static have the same rates; how trainings differ is seen in MOVE's."""
+    shares = {"static": (0.5, 0.5, 0.5), "move": (0.2, 0.5, 0.8)}
+    episodes = pd.DataFrame([
+        {"method": method, "factors": factors, "seed": seed, "trial": trial, "group": "", "run": f"{method}{seed}",
+         "success": (trial * 7) % 100 < 100 * share}
+        for method, each in shares.items() for factors in ("object", "object+target", "all")
+        for seed, share in enumerate(each) for trial in range(100)])
+    widths = []
+    for part in (episodes, episodes[episodes.method == "static"]):
+        data = SimpleNamespace(episodes=part, results=[], noise=lambda observation: UNKNOWN)
+        lost = table1_spatial_factors.tables(data, observation="rgb")["lost"]
+        widths.append(float((lost.high - lost.low).mean()))
+    assert widths[0] > 2 * widths[1]

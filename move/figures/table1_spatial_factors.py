@@ -17,6 +17,7 @@ from move.figures.plots.panels import seed_dot
 from move.figures.plots.style import PAGE_WIDTH, titles
 from move.figures.tables import rate_table, run_costs, with_paper
 from move.figures.tables.differences import difference_brief, difference_table, variant_table
+from move.statistics.cells import training_noise
 from move.statistics.estimates import unpaired_difference
 from move.study.kinds import policy_run
 from move.study.labels import LabelledRun, grid
@@ -39,11 +40,12 @@ def runs(
 def tables(data: Data, *, observation: str) -> dict[str, pd.DataFrame]:
     """Rates, MOVE minus static, what static loses by each factor, and costs."""
     noise, static = data.noise(observation), data.episodes[data.episodes.method == "static"]
+    both = training_noise(data.episodes, ["factors", "method"], noise)
     rates = rate_table(data.episodes, ["factors", "method"], noise)
     return {
         "": with_paper(rates, "table1_spatial_factors", on=["factors", "method"]),
         "differences": difference_table(data.episodes, "factors", noise),
-        "lost": variant_table(static, ["method"], "factors", _with_more_random, noise, unpaired_difference),
+        "lost": variant_table(static, ["method"], "factors", _with_more_random, both, unpaired_difference),
         "costs": run_costs(data.results),
     }
 
