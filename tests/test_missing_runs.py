@@ -85,9 +85,11 @@ def test_a_claim_that_is_asked_again_is_shown_once_its_last_run_is_there():
 @pytest.mark.parametrize("missing", [[], ["the last run"]])
 def test_places_that_are_asked_again_are_shown_once_their_last_run_is_there(missing):
     episodes = pd.DataFrame({"run": "a", "method": "static", "seed": 10, "trial": range(20), "success": True,
-                             "group": ["point", "grid"] * 10})
+                             "group": ["point", "grid"] * 10, "object_x": 0.0,
+                             "object_y": [0.6, 0.6, 0.6, 0.64, 0.6, 0.66, *[0.6] * 14]})
     data = SimpleNamespace(missing=missing, episodes=episodes, noise=lambda grid: UNKNOWN)
-    assert len(decided_places.tables(data)[""]) == (0 if missing else 2)
+    counted = decided_places.tables(data)[""].set_index("group").episodes.to_dict()
+    assert counted == ({} if missing else {"point": 10, "near": 8, "far": 1, "grid": 10})
 
 
 def test_coverage_is_told_where_nothing_has_a_counterpart():

@@ -1948,9 +1948,9 @@ def test_a_claims_intervals_are_those_of_the_figures_own_table(world, number):
             "table2_main", method=method, observation="rgb")}
 
 
-def test_rates_at_nine_places_that_are_asked_again_stand_and_are_told_at_their_names(world):
+def test_rates_near_and_far_from_nine_places_that_are_asked_again_stand_and_are_told_at_their_names(world):
     text, (_, ax, *_) = here(world, "decided_places"), world.figures["decided_places"].axes
-    names = {"point": "nine places", "grid": "whole space"}
+    names = {"point": "nine places", "near": "within 3 cm", "far": "beyond 5 cm", "grid": "whole space"}
     rows = {names[row.group]: row for row in world.table("decided_places").itertuples()}
     for place, *numbers, colour in drawn(ax):
         row = rows.pop(tick(ax, place))

@@ -12,6 +12,7 @@ import numpy as np
 import pandas as pd
 
 from move.claims.claims import Quantity, Where
+from move.figures.fig1_sparse import from_grasps
 from move.figures.page.noise import known_noise
 from move.figures.page.parameters import runs
 from move.sim.grasp_points import CIRCLE
@@ -19,7 +20,7 @@ from move.statistics.estimates import Estimate
 from move.statistics.intervals import LEAST_ERROR, mean_interval
 from move.statistics.needed import Design, Seeds
 from move.statistics.training_noise import TrainingNoise
-from move.statistics.verdicts import NAN, Finding, Missing
+from move.statistics.verdicts import Finding, Missing
 from move.study.labels import LabelledRun
 from move.study.profiles import Profile
 from move.study.results import Result, hand_start, split, table
@@ -141,11 +142,8 @@ def chosen(rows: pd.DataFrame, *wheres: Where) -> pd.DataFrame:
 
 def placed(episodes: pd.DataFrame) -> pd.DataFrame:
     """Episodes over a grid with `from_grasps` (metres, NaN where there are no grasp points) and `circle`."""
-    places = episodes[["object_x", "object_y"]].to_numpy()
-    points = np.unique(places[(episodes.group == "point").to_numpy()], axis=0)
-    near = np.linalg.norm(places[:, None] - points[None], axis=2).min(axis=1) if len(points) else NAN
-    inside = [CIRCLE.contains((x, y, 0.0)) for x, y in places]
-    return episodes.assign(from_grasps=near, circle=np.where(inside, "inside", "outside"))
+    inside = [CIRCLE.contains((x, y, 0.0)) for x, y in zip(episodes.object_x, episodes.object_y, strict=True)]
+    return episodes.assign(from_grasps=from_grasps(episodes), circle=np.where(inside, "inside", "outside"))
 
 
 def runs_of(*sides: pd.DataFrame) -> tuple[str, ...]:

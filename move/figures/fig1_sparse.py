@@ -11,6 +11,7 @@ from functools import partial
 from typing import Any
 
 import matplotlib.pyplot as plt
+import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -95,6 +96,15 @@ def grasp_runs(
     return grid(base, timesteps=[timesteps], hand={hand: HANDS[hand]}, length={length: {}},
                 seed=range(first_seed, first_seed + seeds),
                 method={method: {"method": method, **traced.get(method, {})} for method in methods})
+
+
+def from_grasps(episodes: pd.DataFrame) -> np.ndarray:
+    """Metres from each episode's object to the nearest grasp point, where `group` is "point"; NaN if there is none."""
+    places = episodes[["object_x", "object_y"]].to_numpy()
+    points = np.unique(places[(episodes.group == "point").to_numpy()], axis=0)
+    if not len(points):
+        return np.full(len(places), np.nan)
+    return np.linalg.norm(places[:, None] - points[None], axis=2).min(axis=1)
 
 
 def tables(data: Data, *, observation: str) -> dict[str, pd.DataFrame]:
