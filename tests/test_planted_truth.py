@@ -570,12 +570,12 @@ def test_costs_are_the_median_minutes_of_a_methods_own_runs(world, name, figure,
             assert row[part] == pytest.approx(median, abs=0.051), (row, part)
 
 
-def collected(world: World, method: str, expert: str, task: str) -> tuple[float, float, float]:
-    """Share of attempts that succeeded, and mean steps and jumps of those."""
+def collected(world: World, method: str, expert: str, task: str) -> tuple[float, ...]:
+    """Share of attempts that succeeded, mean steps and jumps of those, and the standard error of the steps."""
     (run,) = world.found("table6_collection", method=method, expert=expert, task=task)
     success, steps = planted_successes(run.spec, world.turned), planted_steps(run.spec, world.turned)
     jumps = [row["jumps"] for row in run.rows if row["success"] and "jumps" in row]
-    return success.mean(), steps[success].mean(), np.mean(jumps) if jumps else np.nan
+    return success.mean(), steps[success].mean(), np.mean(jumps) if jumps else np.nan, stats.sem(steps[success])
 
 
 def test_what_a_demonstration_costs_is_counted_for_each_task_method_and_expert(world):
@@ -583,12 +583,14 @@ def test_what_a_demonstration_costs_is_counted_for_each_task_method_and_expert(w
     by_task = world.table("table6_collection_by_task")
     assert len(by_task) == 60
     for row in by_task.itertuples():
-        assert (row.generation_rate, row.mean_steps, row.jumps) == pytest.approx(
+        assert (row.generation_rate, row.mean_steps, row.jumps, row.mean_steps_error) == pytest.approx(
             collected(world, row.method, row.expert, row.task), abs=ROUNDED, nan_ok=True), row
+        kinder = (100 * row.generation_rate + 2) / 104
+        assert row.generation_rate_error == pytest.approx((kinder * (1 - kinder) / 100) ** 0.5, abs=ROUNDED)
         assert row.low < row.generation_rate < row.high
     for row in world.table("table6_collection").itertuples():
         means = np.mean([collected(world, row.method, row.expert, task) for task in PAPER_TASKS], axis=0)
-        assert (row.generation_rate, row.mean_steps, row.jumps) == pytest.approx(means, abs=ROUNDED, nan_ok=True)
+        assert (row.generation_rate, row.mean_steps, row.jumps) == pytest.approx(means[:3], abs=ROUNDED, nan_ok=True)
 
 
 def test_table_5_counts_demonstrations_by_our_experts_own_lengths(world):
@@ -596,7 +598,7 @@ def test_table_5_counts_demonstrations_by_our_experts_own_lengths(world):
     table = world.table("table5_data_sizes").set_index("task")
     for task in PAPER_TASKS:
         for method in ("static", "adc", "move"):
-            _, steps, _ = collected(world, method, "phase", task)
+            _, steps, *_ = collected(world, method, "phase", task)
             assert table.loc[TITLES[task], f"{method} demonstrations"] == round(get_task(task).timesteps / steps)
     made = table["move demonstrations"].sum() / table["static demonstrations"].sum()
     assert f"MOVE makes {made:.2f} demonstrations for one of static" in here(world, "table5_data_sizes")
@@ -1993,18 +1995,33 @@ def test_the_figure_of_the_claims_shows_their_numbers_in_the_colours_of_their_ve
             entry = entries[number]
             found = [(each["value"], each["low"], each["high"]) for each in entry["numbers"]
                      if each["value"] is not None]
-            mean = float(np.mean([each[0] for each in found]))
-            marks = [*found, (mean, low, high)] if len(found) > 2 and entry["join"] == "every" else found
+            mean, *ends = np.mean(np.array(found, float), axis=0)
+            less, more = (float(np.hypot.reduce([each[0] - each[end] for each in found])) / len(found) if None not in
+                          np.ravel(found) else np.nan for end in (1, 2))
+            marks = [*found, (mean, mean - less, mean + more)] if len(found) > 2 and entry["join"] == "every" else found
             assert any((value, low, high) == pytest.approx(each, abs=1e-5) for each in marks), (number, value, marks)
             assert colour == to_hex(VERDICT_COLOURS.get(entry["verdict"], GREY)), number
             seen.add(number)
-        for line in (line for line in ax.get_lines() if line.get_marker() == "|" and line.get_alpha()):
-            number = int(tick(ax, float(line.get_ydata()[0]), across=True).split()[-1])
-            values = [each["value"] for each in entries[number]["numbers"] if each["value"] is not None]
-            assert float(line.get_xdata()[0]) in [pytest.approx(value) for value in values]
+        upright = max(float(line.get_xdata()[0]) for line in ax.get_lines() if list(line.get_ydata()) == [0, 1])
+        for line in (line for line in ax.get_lines() if line.get_marker() in ("|", ">", "D") and len(line.get_xdata())):
+            if line.get_marker() == "|" and not line.get_alpha():
+                continue  # the cap of an interval
+            number, value = int(tick(ax, float(line.get_ydata()[0]), across=True).split()[-1]), line.get_xdata()[0]
+            numbers = entries[number]["numbers"]
+            assert all(each["above"] == upright for each in numbers) or upright == 0
+            papers = [np.nan if each["paper"] is None else each["paper"] for each in numbers]
+            marked = {"|": [each["value"] for each in numbers if each["value"] is not None],
+                      ">": [each["low"] for each in numbers if each["value"] is None],
+                      "D": [*papers, np.mean(papers)]}[line.get_marker()]
+            assert any(float(value) == pytest.approx(each, abs=1e-5, nan_ok=True) for each in marked), (number, value)
             seen.add(number)
+        for strokes in (part for part in ax.collections if isinstance(part, LineCollection)):
+            for (edge, below), (_, above) in (stroke for stroke in strokes.get_segments() if len(stroke) == 2):
+                if below != above:
+                    number = int(tick(ax, (below + above) / 2, across=True).split()[-1])
+                    assert edge in {each[name] for each in entries[number]["numbers"] for name in ("above", "below")}
     assert seen == {number for number, entry in entries.items()
-                    if any(None not in (each["value"], each["low"], each["high"]) for each in entry["numbers"])}
+                    if any(each["low"] is not None for each in entry["numbers"])}
 
 
 def test_the_ledgers_sentence_counts_the_verdicts(world):

@@ -39,8 +39,6 @@ def many(column: str, values) -> pd.DataFrame:
     return pd.concat([rows(**{column: value}) for value in values])
 
 
-COSTS = pd.DataFrame([{"task": task, "method": method, "expert": expert, "mean_steps": VALUE[method] + task / 100}
-                      for method in METHODS for expert in ("phase", "metaworld") for task in (-1, 0, 1)])
 DRAWN = {  # plots of points, with every method
     "covered": lambda: draw(plots.covered, rows().assign(task="push", moves="all", joint=[0.2, 0.4, 0.9]), "joint"),
     "curve": lambda: draw(lambda table, ax: plots.curve(table, "timesteps", "timesteps", ax, log=True),
@@ -163,20 +161,19 @@ def test_a_ladder_tells_what_moves_alone_by_a_lighter_bar():
     assert [label.get_text() for label in ax.get_xticklabels()] == ["nothing", "object\n+ target", "camera\nalone"]
 
 
-def test_costs_are_means_over_tasks_with_students_interval():
-    ax = draw(plots.costs, COSTS.assign(mean_steps=100 * COSTS.mean_steps), "mean_steps", {"static": 33.0})
+def test_costs_are_means_of_fixed_tasks_with_the_errors_of_each():
+    table = pd.DataFrame([{"task": task, "method": "static", "expert": "phase", "mean_steps": 100.0 * task,
+                           "mean_steps_error": error} for task, error in enumerate((3.0, 4.0, 12.0))])
+    ax = draw(plots.costs, table, "mean_steps", {"static": 33.0})
     low, high = ax.containers[1][2][0].get_segments()[0][:, 1]
-    assert (high - low) / 2 == pytest.approx(4.303 / np.sqrt(3), abs=1e-3)  # t of 2 degrees of freedom, deviation 1
+    assert (low, high) == pytest.approx((100 - 1.96 * 13 / 3, 100 + 1.96 * 13 / 3))
 
 
-def test_no_interval_of_a_share_leaves_0_and_1():
-    shares = pd.Series([0.27, 0.7, 1.0, 1.0, 1.0])
-    low, high = plots.share_interval(shares)
-    assert 0 < low < shares.mean() < high <= 1
-    table = pd.DataFrame([{"task": task, "method": "move", "expert": "phase", "rate": share}
-                          for task, share in enumerate(shares)])
+def test_no_interval_of_a_share_leaves_1():
+    table = pd.DataFrame([{"task": task, "method": "move", "expert": "phase", "rate": share, "rate_error": 0.02}
+                          for task, share in enumerate((0.99, 1.0))])
     ends = draw(lambda rows, ax: plots.costs(rows, "rate", {}, ax, share=True), table).containers[1][2][0]
-    assert ends.get_segments()[0][:, 1].tolist() == pytest.approx([low, high])
+    assert ends.get_segments()[0][:, 1].tolist() == pytest.approx([0.995 - 1.96 * 0.02 / 2**0.5, 1.0])
 
 
 def grid(seeds: int = 5) -> pd.DataFrame:

@@ -72,7 +72,7 @@ def _line(what: str, ours: tuple[float, float], found: pd.Series, seeds: int | s
           half: float = 0.0) -> str:
     """A row of the table; `found` is the second of the two rates minus the first, and so is the paper's."""
     theirs = published[1] - published[0]
-    judged = difference_verdict(_rising(found, theirs), min(ours), half) + _levels(ours, published)
+    judged = difference_verdict(_rising(found, theirs), ours[0 if theirs >= 0 else 1], half) + _levels(ours, published)
     return (f"| {what} | {ours[0]:.2f} | {ours[1]:.2f} | {points(found.difference)} | {points(found.low)} to "
             f"{points(found.high)} | {seeds} | {_printed(published)} | {judged} |")
 

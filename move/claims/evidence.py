@@ -68,26 +68,31 @@ class Evidence:
         """An estimate from episodes, as a finding of what a claim says of it."""
         return Finding(what, found.value, found.low, found.high, **quantity.region, runs=runs_of(rows), **more)
 
-    def design(self, experiment: str, sides: Sequence[pd.DataFrame]) -> Design | None:
-        """What a difference of two sides was measured with, and what its runs cost; None without their times."""
+    def with_design(self, finding: Finding, experiment: str, sides: Sequence[pd.DataFrame]) -> Finding:
+        """A difference of two sides with what it was measured with and what its runs cost; as it is without times."""
         stored = self.stored(experiment)
         spent = [[stored[run].seconds for run in rows.run.unique() if run in stored] for rows in sides]
         if not all(spent):
-            return None
+            return finding
         noise = self.noise(experiment)
         rate = float(np.mean([rows.success.mean() for rows in sides]))
         variance = 4 * rate * (1 - rate) * noise.variance * noise.degrees / (noise.degrees - 2) if noise.degrees else 0
         count = min(rows.groupby("run").size().min() for rows in sides)
         whole, tried = (sum(median(map(part, each)) for each in spent) / 60 for part in (
             lambda seconds: sum(seconds.values()), lambda seconds: seconds.get("evaluate", 0.0)))
-        return Design(min(rows.seed.nunique() for rows in sides), int(count), variance, whole, tried * 100 / count)
+        return replace(finding, design=Design(min(rows.seed.nunique() for rows in sides), int(count),
+                                              (finding.high - finding.low) / 2, variance, whole, tried * 100 / count))
 
-    def with_seeds(self, finding: Finding, experiment: str, rows: pd.DataFrame) -> Finding:
-        """A finding with what more seeds of the runs of `rows` would tell and cost; as it is where no run has times."""
+    def with_seeds(self, finding: Finding, experiment: str, rows: pd.DataFrame, fixed: float = 0.0) -> Finding:
+        """A finding with what more seeds of the runs of `rows` would tell and cost; as it is where no run has times.
+
+        Args:
+            fixed: the part of half its interval that configurations make.
+        """
         stored = self.stored(experiment)
         spent = [sum(stored[run].seconds.values()) / 60 for run in rows.run.unique() if run in stored]
         seeds = rows.seed.nunique()
-        return replace(finding, design=Seeds(seeds, (finding.high - finding.low) / 2, sum(spent) / seeds)
+        return replace(finding, design=Seeds(seeds, (finding.high - finding.low) / 2, sum(spent) / seeds, fixed)
                        ) if spent else finding
 
     def _law(self, grid: bool) -> TrainingNoise:

@@ -85,32 +85,34 @@ def as_table(decided: Sequence[Entry]) -> pd.DataFrame:
 def numbers(decided: Sequence[Entry]) -> pd.DataFrame:
     """The claims that are numbers, for a plot: one row a number, the rows of a claim together.
 
-    Columns number, claim, figure, verdict, value, low, high, paper; factor (static's timesteps over MOVE's) and whole
-    (of several: their mean, or the contrast over them).
+    Columns number, claim, figure, verdict, value (NaN for "more than"), low, high (NaN where it has no end), paper,
+    above and below (what is claimed); factor (static's timesteps over MOVE's) and whole (of several: their mean, or the
+    contrast over them).
     """
     rows = []
     for one in decided:
-        found = [each for each in one.numbers if None not in (each.value, each.low, each.high)]
+        found = [each for each in one.numbers if each.low is not None]
         several = [each for each in found if not each.trend]
         factor = one.figure == "fig4_scaling" and all(each.above == 1 for each in found)
         named = {"number": one.number, "claim": one.short, "figure": one.figure, "verdict": one.verdict,
                  "factor": factor}
-        rows += [{**named, **_point(each), "whole": len(found) < MANY or each.trend} for each in found]
+        rows += [{**named, **_point(each), "whole": each.high is not None and (len(found) < MANY or each.trend)}
+                 for each in found]
         if one.join == "every" and len(several) >= MANY and not factor:
             rows.append({**named, **_mean(several), "whole": True})
     return pd.DataFrame(rows, columns=["number", "claim", "figure", "verdict", "factor", "value", "low", "high",
-                                       "paper", "whole"])
+                                       "paper", "above", "below", "whole"])
 
 
 def _point(number: Number) -> dict[str, float]:
     return {name: NAN if (value := getattr(number, name)) is None else value
-            for name in ("value", "low", "high", "paper")}
+            for name in ("value", "low", "high", "paper", "above", "below")}
 
 
 def _mean(several: Sequence[Number]) -> dict[str, float]:
     parts = [_point(each) for each in several]
     mean = mean_finding([Finding("", part["value"], part["low"], part["high"]) for part in parts])
-    return {"value": mean.value, "low": mean.low, "high": mean.high,
+    return {**parts[0], "value": mean.value, "low": mean.low, "high": mean.high,
             "paper": float(np.mean([part["paper"] for part in parts]))}
 
 

@@ -6,7 +6,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -25,12 +24,14 @@ from move.statistics.estimates import (
     contrast,
     difference,
     mean_difference,
+    of_configurations,
     relative_gain,
     success_rate,
     unpaired_difference,
 )
 from move.statistics.intervals import CONFIDENCE
 from move.statistics.needed import Trials
+from move.statistics.training_noise import as_cell
 from move.statistics.verdicts import NAN, Contradiction, Finding, Item, Missing, Untested
 
 
@@ -52,7 +53,8 @@ def rates(evidence: Evidence, each: Quantity, experiment: str, failing: bool) ->
         cells = 1 - successes(rows) if failing else successes(rows)
         found = success_rate(cells, evidence.noise(experiment))
         item = evidence.finding(what, found, rows, each, **each.paper.of_one(place))
-        items.append(evidence.with_seeds(item, experiment, rows))
+        fixed = float(of_configurations([as_cell(cells)], [1.0]).half_width)
+        items.append(evidence.with_seeds(item, experiment, rows, fixed))
     return items
 
 
@@ -86,7 +88,7 @@ def differences(evidence: Evidence, each: Quantity, experiment: str) -> list[Ite
         found = estimate(successes(one), successes(other), evidence.noise(experiment))
         item = evidence.finding(each.named(where), found, pd.concat(sides), each,
                                 room=1 - float(other.success.mean()), **each.paper.of_one(place))
-        items.append(replace(item, design=evidence.design(experiment, sides)) if item.answer == "open" else item)
+        items.append(evidence.with_design(item, experiment, sides))
     return items
 
 
@@ -211,8 +213,10 @@ def speeds(evidence: Evidence, each: Quantity, experiment: str) -> list[Item]:
             continue
         logs = np.log(sorted(there))
         weights = [(logs[-1] - logs[0]) * weight for weight in _slope(logs)]
-        found = contrast([there[speed] for speed in sorted(there)], weights, evidence.noise(experiment))
-        items.append(evidence.with_seeds(evidence.finding(what, found, rows, each), experiment, rows))
+        cells = [as_cell(there[speed]) for speed in sorted(there)]
+        found = contrast(cells, weights, evidence.noise(experiment))
+        fixed = float(of_configurations(cells, weights).half_width)
+        items.append(evidence.with_seeds(evidence.finding(what, found, rows, each), experiment, rows, fixed))
     return items
 
 

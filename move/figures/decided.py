@@ -1,4 +1,4 @@
-"""Claims that their first runs left undecided, asked again with more seeds and configurations, all of them new."""
+"""Claims that their first runs left undecided, asked again with new seeds and at more configurations."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def runs(
     profile: Profile, seeds_7: Seeds = 3, seeds_25: Seeds = 5, seeds_26: Seeds = 6, episodes: Count = 400,
     most_timesteps: Count = 50_000,
 ) -> list[LabelledRun]:
-    """The variants of each claim, as many seeds as the ledger said would decide it; labels claim and variant."""
+    """The variants of each claim with new seeds, about as many as the ledger then asked for; labels claim, variant."""
     found: list[LabelledRun] = []
     for (claim, variants), seeds in zip(CASES.items(), (seeds_7, seeds_25, seeds_26), strict=True):
         base = partial(policy_run, profile, episodes=episodes)
@@ -93,15 +93,16 @@ def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
     """Each difference with its interval."""
     each = "; ".join(f"claim {row.claim}, {row.variant} minus {row.baseline}: {difference_brief(row)}"
                      for _, row in tables["differences"].iterrows())
-    return (f"**The paper** gives no numbers. **Here**, with new seeds, in points: "
+    return (f"**The paper** prints no rates. **Here**, with new seeds, in points: "
             f"{each or 'nothing is computed yet'}. **How sure:** {data.sample_size}")
 
 
 WORDS = Words(
     title="Claims asked again, with new seeds",
-    shown=(f"Differences in success between the two sides of claims that a first look left open: as many new seeds and "
-           f"configurations as the ledger said would decide them. A question mark: a run of the claim is missing. "
-           f"MOVE matches static (claim 7) where its interval is above \N{MINUS SIGN}10. {INTERVALS}"),
+    shown=(f"Differences in success between the two sides of claims that a first look left open: new seeds, about as "
+           f"many as the ledger then asked for, at 400 configurations, a hundred of which are the first look's. A "
+           f"question mark: a run of the claim is missing. MOVE matches static (claim 7) where its interval is above "
+           f"\N{MINUS SIGN}10. {INTERVALS}"),
     alt="One line a difference with its interval.",
     tables={"": f"Claims asked again. {RATES}", "differences": f"Claims asked again. {DIFFERENCES}"},
 )

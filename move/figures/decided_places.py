@@ -25,7 +25,7 @@ PLACES = {"point": "nine places", "near": "within 3 cm", "far": "beyond 5 cm", "
 
 
 def runs(profile: Profile, seeds: Repeats = 10, timesteps: Count = 7000, grid_side: Count = 15) -> list[LabelledRun]:
-    """Static at nine points, the hand anywhere, with as many seeds as the ledger said would decide claims 11 and 13."""
+    """Static at nine points, the hand anywhere: new seeds for claims 11 and 13 at figure 1's places and hand starts."""
     return grasp_runs(profile, "sparse", "rgb", "anywhere", seeds, grid_side, timesteps, methods=("static",),
                       first_seed=FIRST_SEED)
 

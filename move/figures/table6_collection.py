@@ -90,8 +90,8 @@ WORDS = Words(
     title="Table 6. What a demonstration costs",
     shown=(
         "(a) Timesteps of a successful demonstration and (b) share of attempts that succeed: means over the tasks with "
-        "95 % intervals from the spread of the tasks (of a mean: Student's; of a share: Wilson's, with the number of "
-        "trials that this spread is worth). Dots are single tasks, dotted lines the paper's values."),
+        "95 % intervals of these same tasks, from the demonstrations of each. Dots are single tasks, dotted lines the "
+        "paper's values."),
     alt="Two bar charts, for each method one dark and one light bar.",
     tables={
         "": "Table 6: what a demonstration costs, means over the tasks.",

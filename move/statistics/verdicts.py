@@ -14,10 +14,12 @@ Nobody types one. README, captions, notebooks and the ledger have the same words
     not computed yet            a run is missing; what it costs is printed
 
 A finding is a number with its 95 % interval. It is a yes where the whole interval lies in the claimed region, a no
-where the whole interval lies outside of it, and open otherwise: the interval is the only test. How the findings of a
-claim are joined is part of the claim:
+where the whole interval lies outside of it, and open otherwise: the interval is the only test. Where a claim says that
+two things are alike up to a margin, it is also a no where the interval excludes that they are equal and the number
+itself is beyond the margin. How the findings of a claim are joined is part of the claim:
 
-    every   all have to be a yes, each at .05; refuted by one that is a no after Holm's adjustment, or by their mean
+    every   all have to be a yes, each at .05; refuted by one that is a no after Holm's adjustment, or by the mean of
+            those that are claimed to be on one side of the same number; none other has a mean
     some    one has to be a yes after Holm's adjustment; refuted if all are a no
     mean    one number over all, so a single finding
     trend   as every, but the direction is that of a contrast over all, and so is what refutes in place of the mean
@@ -148,7 +150,8 @@ class Finding:
 
     def __str__(self) -> str:
         noise = f" +- {self.paper_half_width:.2g}" if self.paper_half_width else ""
-        printed = "" if np.isnan(self.paper) else f" (paper {self.paper:.3g}{noise})"
+        room = ", more than there was room for" if self.no_room else ""
+        printed = "" if np.isnan(self.paper) else f" (paper {self.paper:.3g}{noise}{room})"
         value, low, high = (f"{round(number, 12) + 0.0:.3g}" for number in (self.value, self.low, self.high))
         return f"{self.what}: {self.text or f'{value} [{low}, {high}]'}{printed}"
 
@@ -162,7 +165,7 @@ class Missing:
     minutes: float
 
     def __str__(self) -> str:
-        return f"{self.what}: {self.runs} runs, about {self.minutes:.0f} core-minutes"
+        return f"{self.what}: {self.runs} run{'s' * (self.runs != 1)}, about {self.minutes:.0f} core-minutes"
 
 
 @dataclass(frozen=True)
@@ -230,12 +233,24 @@ def verdict(items: Sequence[Item], join: Join = "every") -> str:
         return _some(findings)
     if all(finding.answer == "yes" for finding in findings):
         return _sized(findings)
-    directions = contrasts if join == "trend" else [mean_finding(findings)] if len(findings) > 1 else []
+    directions = contrasts if join == "trend" else [mean_finding(findings)] if _have_a_mean(findings) else []
     if _surely_no(findings) or _surely_no(directions):
         return REFUTED
     if all(finding.no_room for finding in findings if finding.answer != "yes"):
         return CEILING
     return DIRECTION if directions and all(one.answer == "yes" for one in directions) else UNDECIDED
+
+
+def _have_a_mean(findings: Sequence[Finding]) -> bool:
+    """Whether several are claimed to be on one side of the same number: a mean hides nothing, and none cancels another.
+
+    >>> above, more, alike = Finding("", 0.1, -0.1, 0.3), Finding("", 0.7, 0.4, 0.9, above=0.5), (-0.1, 0.1, 0.0)
+    >>> same = Finding("", 0.1, -0.1, 0.3, *alike)
+    >>> _have_a_mean([above, above]), _have_a_mean([above]), _have_a_mean([above, more]), _have_a_mean([same, same])
+    (True, False, False, False)
+    """
+    return len(findings) > 1 and len({one.above for one in findings}) == 1 and all(
+        np.isinf(one.below) for one in findings)
 
 
 def mean_finding(findings: Sequence[Finding]) -> Finding:
@@ -244,11 +259,11 @@ def mean_finding(findings: Sequence[Finding]) -> Finding:
     >>> print(mean_finding([Finding("a", 0.2, 0.1, 0.3), Finding("b", 0.7, 0.5, 0.8, above=0.5)]))
     mean: 0.2 [0.0882, 0.271]
     """
-    value, low, high, below = (np.array([getattr(finding, name) - finding.above for finding in findings])
-                               for name in ("value", "low", "high", "below"))
+    value, low, high = (np.array([getattr(finding, name) - finding.above for finding in findings])
+                        for name in ("value", "low", "high"))
     less, more = (float(np.sqrt(np.square(part).sum())) / len(findings) for part in (value - low, high - value))
     mean = float(value.mean())
-    return Finding("mean", mean, mean - less, mean + more, below=float(below.min()))
+    return Finding("mean", mean, mean - less, mean + more)
 
 
 def counted(answers: Sequence[Answer]) -> str:

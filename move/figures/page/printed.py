@@ -105,6 +105,7 @@ COLUMNS: dict[str, tuple[str, Cell]] = {
     "all_runs": ("All runs", _count), "expert": ("Expert", _named(phase="ours", metaworld="Meta-World's")),
     "attempts": ("Attempts", _count), "generation_rate": ("Generation rate (%)", _percent),
     "mean_steps": ("Timesteps", _number), "jumps": ("Jumps", _number),
+    "generation_rate_error": ("Its error (points)", _percent), "mean_steps_error": ("Their error", _number),
     "paper_mean_steps": ("Timesteps, paper", _number), "acceptance_rate": ("Kept (%)", _percent),
     "paper_generation_rate": ("Generation rate, paper (%)", _percent), "mean": ("Mean success (%)", _percent),
     "count": ("Tasks", _count), "covered": ("Hold the truth (%)", _percent),

@@ -5,7 +5,7 @@ whose value is NaN is drawn as missing. Maps and frames are in `move.figures.plo
 """
 
 from move.figures.plots.axes import log_ticks, points_axis, pooled_entry, short
-from move.figures.plots.bars import cost_entries, costs, grouped_rates, ladder, share_interval
+from move.figures.plots.bars import cost_entries, costs, grouped_rates, ladder
 from move.figures.plots.curves import (
     coverages,
     curve,

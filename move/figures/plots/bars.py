@@ -12,7 +12,6 @@ from matplotlib.patches import Patch
 
 from move.figures.plots.axes import PRINTED, errors, success_axis
 from move.figures.plots.style import COLOURS, GREY, LEAST_POINTS, NAMES, in_order
-from move.statistics.intervals import mean_interval, student_half_width, wilson_interval
 
 NORMAL = 1.96  # half width of a 95 % interval in standard deviations, where these are known
 
@@ -72,22 +71,22 @@ def _printed_line(place: float, value: float, width: float, ax: Axes) -> None:
 def costs(table: pd.DataFrame, value: str, paper: dict[str, float], ax: Axes, share: bool = False) -> None:
     """Mean over the tasks of `value` for each method, one bar an expert, single tasks as dots, the paper dotted.
 
-    The error bar is a 95 % interval of the mean from the spread of the tasks: Student's, or for a share Wilson's with
-    as many trials as this spread is worth, which stays within 0 and 1.
+    The error bar is a 95 % interval of the mean over these same tasks, from the demonstrations of each.
 
     Args:
-        table: task, method, expert and the column `value`.
+        table: task, method, expert, the column `value`, and `value` with "_error", its standard error.
         paper: the paper's value for each method that it has.
         share: whether the values are shares of 1, written in per cent.
     """
     methods, experts = list(table.method.unique()), list(table.expert.unique())
     for place, method in enumerate(methods):
         for expert, shift in zip(experts, (-0.2, 0.2), strict=False):
-            values = table[(table.method == method) & (table.expert == expert)][value]
+            rows = table[(table.method == method) & (table.expert == expert)]
+            values, errors_of = rows[value], rows[f"{value}_error"].dropna()
+            half = NORMAL * float(np.hypot.reduce(errors_of)) / max(len(errors_of), 1)
             ax.bar(place + shift, values.mean(), width=0.36, color=COLOURS[method], alpha=0.85 if shift < 0 else 0.45)
-            low, high = share_interval(values) if share else mean_interval(values)[1:]
-            ax.errorbar(place + shift, values.mean(), [[values.mean() - low], [high - values.mean()]], color="black",
-                        capsize=2, lw=0.9)
+            above = min(half, 1 - values.mean()) if share else half
+            ax.errorbar(place + shift, values.mean(), [[half], [above]], color="black", capsize=2, lw=0.9)
             ax.plot(np.full(len(values), place + shift + 0.1), values, ".", color="#444444", ms=3, clip_on=False)
         if method in paper:
             ax.plot([place - 0.42, place + 0.42], [paper[method]] * 2, **PRINTED)
@@ -103,15 +102,3 @@ def cost_entries(experts: Sequence[str]) -> list[Patch | Line2D]:
             for expert, alpha in zip(experts, (0.85, 0.45), strict=False)]
     dot = Line2D([], [], ls="none", marker=".", ms=4, color="#444444", label="a task")
     return [*bars, dot, Line2D([], [], **PRINTED, label="paper")]
-
-
-def share_interval(shares: pd.Series) -> tuple[float, float]:
-    """Wilson's 95 % interval of a mean share, with as many trials as the spread of the shares is worth.
-
-    >>> low, high = share_interval(pd.Series([1.0, 1.0, 0.9]))
-    >>> low < 0.9 < high <= 1
-    True
-    """
-    mean, deviation = shares.mean(), student_half_width(shares.std(), len(shares)) / NORMAL
-    trials = mean * (1 - mean) / deviation**2 if deviation > 0 else float(len(shares))
-    return wilson_interval(mean, trials)

@@ -57,7 +57,8 @@ def forest(table: pd.DataFrame, ax: Axes, above: bool = False) -> None:
     """Claims with their numbers, one line each: ours with its interval in the verdict's colour, the paper's a diamond.
 
     Args:
-        table: as `move.claims.ledger.numbers` gives it; of several numbers the single ones are drawn small.
+        table: as `move.claims.ledger.numbers` gives it; of several numbers the single ones are drawn small, and those
+            without an upper end as an arrow from the lower one. Black strokes are the edges of what is claimed.
         above: whether a claim's words are above its line, as where there is no room beside it.
     """
     listed = table[["number", "claim", "figure"]].drop_duplicates().reset_index(drop=True)
@@ -65,10 +66,15 @@ def forest(table: pd.DataFrame, ax: Axes, above: bool = False) -> None:
     for row in table.itertuples():
         place, colour = place_of[row.number], VERDICT_COLOURS.get(row.verdict, GREY)
         if not row.whole:
-            ax.plot(row.value, place, "|", ms=5, mew=0.8, color=colour, alpha=0.6)
+            endless = np.isnan(row.value)
+            ax.plot(row.low if endless else row.value, place, ">" if endless else "|", ms=4 if endless else 5, mew=0.8,
+                    color=colour, alpha=0.6)
             continue
         ax.errorbar(row.value, place, xerr=errors(row), fmt="o", ms=3.5, lw=1.1, capsize=1.5, color=colour)
         ax.plot(row.paper, place, "D", ms=3.5, mew=0.9, color="#444444", mfc="white", zorder=4)
+    for number, rows in table.groupby("number"):
+        edges = [edge for edge in {*rows.above, *rows.below} if np.isfinite(edge)]
+        ax.vlines(edges, place_of[number] - 0.32, place_of[number] + 0.32, color="black", lw=0.8)
     for place in np.flatnonzero(listed.figure != listed.figure.shift())[1:]:
         ax.axhline(place - 0.5 - 0.28 * above, color="#DDDDDD", lw=0.7)
     if above:
@@ -79,6 +85,8 @@ def forest(table: pd.DataFrame, ax: Axes, above: bool = False) -> None:
                     fontsize=LEAST_POINTS, bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5})
     else:
         ax.set_yticks(range(len(listed)), [f"{row.claim}  {row.number}" for row in listed.itertuples()])
+        for label, figure in zip(ax.get_yticklabels(), listed.figure, strict=True):
+            label.set_url(f"{figure}.pdf")
     ax.set_ylim(max(len(listed), 1) - 0.5, -0.5 - 0.4 * above)
     ax.axvline(0, color="black", lw=0.8)
 

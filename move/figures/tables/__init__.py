@@ -108,7 +108,9 @@ def run_costs(results: list[Result]) -> pd.DataFrame:
 def collection_costs(results: list[Result]) -> pd.DataFrame:
     """One row a task, method and expert: attempts, share that succeeded with its interval, mean steps of those.
 
-    Column `jumps` is the mean number of jumps of a demonstration, NaN for a method that has none.
+    Columns generation_rate_error and mean_steps_error are standard errors, the former with two successes and two
+    failures more, so that it is never 0. Column `jumps` is the mean number of jumps of a demonstration, NaN for a
+    method that has none.
 
     Args:
         results: of runs whose agent is "collector".
@@ -119,10 +121,13 @@ def collection_costs(results: list[Result]) -> pd.DataFrame:
         kept = [row for row in result.rows if row["success"]]
         rate, steps = len(kept) / attempts, [row["steps"] for row in kept]
         low, high = wilson_interval(rate, attempts)
+        kinder = (len(kept) + 2) / (attempts + 4)
         jumps = [row["jumps"] for row in kept if "jumps" in row]
         rows.append({"task": spec.task, "method": spec.method, "expert": spec.collection.expert,
                      "attempts": attempts, "generation_rate": rate, "low": low, "high": high,
+                     "generation_rate_error": float(np.sqrt(kinder * (1 - kinder) / attempts)),
                      "mean_steps": float(np.mean(steps)) if steps else np.nan,
+                     "mean_steps_error": float(pd.Series(steps, dtype=float).sem()),
                      "jumps": float(np.mean(jumps)) if jumps else np.nan})
     return pd.DataFrame(rows)
 
