@@ -104,7 +104,7 @@ def coverage_text(table: pd.DataFrame) -> str:
     centred = several[["joint", "value"]] - several.groupby("task")[["joint", "value"]].transform("mean")
     within = stats.spearmanr(centred.joint, centred.value)
     said = [f"rank correlation of success and joint coverage {within.statistic:+.2f} within tasks "
-            f"(p = {within.pvalue:.3f})"]
+            f"(p = {within.pvalue:.2g})"]
     ends = table[table.moves.isin(["nothing", "all"])].pivot(index="task", columns="moves", values=["joint", "value"])
     ends = ends.reindex(columns=pd.MultiIndex.from_product([["joint", "value"], ["nothing", "all"]])).dropna()
     if len(ends) > 2:
@@ -112,7 +112,7 @@ def coverage_text(table: pd.DataFrame) -> str:
         over = stats.spearmanr(gains["joint"], gains["value"])
         said.append(f"of MOVE's gains over {len(ends)} tasks (covers {100 * gains['joint'].min():+.0f} to "
                     f"{100 * gains['joint'].max():+.0f} points more, success {100 * gains['value'].min():+.0f} to "
-                    f"{100 * gains['value'].max():+.0f} points) {over.statistic:+.2f} (p = {over.pvalue:.3f})")
+                    f"{100 * gains['value'].max():+.0f} points) {over.statistic:+.2f} (p = {over.pvalue:.2g})")
     return "; ".join(said) + "."
 
 
