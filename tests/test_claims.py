@@ -18,7 +18,7 @@ from shared import refused
 
 from move import paper, paths
 from move.claims import claims as data
-from move.claims import ledger
+from move.claims import ledger, quantities
 from move.claims.claims import claims, read
 from move.claims.evidence import Evidence, chosen, over_seeds, placed
 from move.claims.quantities import QUANTITIES, findings
@@ -370,6 +370,14 @@ def test_only_an_undecided_claim_says_what_would_decide_it(items, verdict_of, ne
 def test_a_trend_is_not_counted_among_the_answers_that_it_joins():
     entry = ledger._entry(claims()[27], [YES, OPEN, YES, Finding("slope", 0.07, 0.04, 0.1, trend=True)])
     assert ledger.as_table([entry]).evidence[0].startswith("yes 2, open 1, no 0 of 3; yes: 0.3")
+
+
+def test_the_mean_of_factors_has_95_of_100_draws_and_takes_more_than_as_its_bound():
+    draws = np.linspace(1, 3, 2001)
+    factors = [SimpleNamespace(ratio=ratio, most=most, draws=each)
+               for ratio, most, each in ((2.0, 8.0, draws), (INFINITE, 4.5, 9 * draws))]
+    mean = quantities._mean_factor(factors, 1.0)
+    assert (mean.value, mean.low, mean.high) == pytest.approx((3.0, *np.sqrt(4.5 * np.array([1.05, 2.95]))))
 
 
 def test_the_robots_numbers_are_the_papers_thirty_trials_and_one_exact_test():
