@@ -337,7 +337,7 @@ def test_a_claim_that_a_profile_has_no_runs_for_says_so(profile, gl, tmp_path, m
             none = not parameters.runs(each.figure, evidence.profile)
             items = [item for item in findings(each, evidence) if not isinstance(item, Untested)]
             assert all(isinstance(item, Missing) for item in items), each
-            said = [f"(profile {profile} has no runs for it)" in item.what for item in items]
+            said = [f"(profile {profile} has no runs for it" in item.what for item in items]
             assert said == [item.runs == 0 for item in items] and (all(said) or not none), each
             assert profile != "laptop" or not any(said), each
 
@@ -378,6 +378,24 @@ def test_the_mean_of_factors_has_95_of_100_draws_and_takes_more_than_as_its_boun
                for ratio, most, each in ((2.0, 8.0, draws), (INFINITE, 4.5, 9 * draws))]
     mean = quantities._mean_factor(factors, 1.0)
     assert (mean.value, mean.low, mean.high) == pytest.approx((3.0, *np.sqrt(4.5 * np.array([1.05, 2.95]))))
+
+
+@pytest.mark.parametrize("change, complaint", [
+    ({"quantity": "diference"}, "claim 4, quantity: 'diference' given; allowed are rate, failure, difference"),
+    ({"one": {"metod": "move"}}, "claim 4, column 'metod' of table2_main given; allowed are "),
+    ({"each": {"tusk": ["push"]}}, "claim 4, column 'tusk' of table2_main given; allowed are "),
+])
+def test_a_claim_about_what_is_not_there_is_refused_in_one_line(change, complaint):
+    claim = claims()[3]
+    with refused(complaint):
+        findings(claim.model_copy(update={"findings": [claim.findings[0].model_copy(update=change)]}), Evidence(LAPTOP))
+
+
+def test_a_value_that_no_run_has_is_named_with_what_there_is():
+    claim = claims()[3]
+    item, = findings(claim.model_copy(update={"findings": [claim.findings[0].model_copy(update={
+        "one": {"method": "mvoe"}})]}), Evidence(LAPTOP))
+    assert "has no runs for it: method 'mvoe'; there are adc, " in item.what and item.runs == 0
 
 
 def test_the_robots_numbers_are_the_papers_thirty_trials_and_one_exact_test():

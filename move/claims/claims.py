@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import re
 from functools import cache
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -145,7 +146,8 @@ def read(text: str) -> tuple[Claim, ...]:
     try:
         found = File.model_validate(_filled(content, lists if isinstance(lists, dict) else {}))
     except ValidationError as error:
-        raise BadInput(f"{FILE.name}: {first_problem(error)}") from error
+        problem = re.sub(r"^claims\.(\d+)\.?", lambda place: f"claim {int(place[1]) + 1}, ", first_problem(error))
+        raise BadInput(f"{FILE.name}: {problem}") from error
     if [claim.number for claim in found.claims] != list(range(1, len(found.claims) + 1)):
         raise BadInput(f"{FILE.name}: other numbers than 1, 2, 3 ... given; allowed are those, in order")
     return tuple(claim.model_copy(update={"findings": [_selected(each, found.selections) for each in claim.findings]})

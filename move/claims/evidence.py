@@ -58,11 +58,27 @@ class Evidence:
         asked = self.asked(experiment)
         lacking = pd.concat([chosen(asked[~asked.stored], where) for where in wheres]) if len(asked) else asked
         if lacking.empty:
-            return Missing(f"{what} (profile {self.profile.name} has no runs for it)", 0, 0.0)
+            why = f"profile {self.profile.name} has no runs for it{self._absent(experiment, wheres)}"
+            return Missing(f"{what} ({why})", 0, 0.0)
         lacking = lacking.drop_duplicates("run")
         collected = int((lacking.steps == 0).sum())
         return Missing(what, len(lacking), float(lacking.steps.sum() * self._minutes_a_step
                                                  + collected * self._minutes_without_training))
+
+    def columns(self, experiment: str) -> set[str]:
+        """What runs and episodes of an experiment can be picked by; none where nothing is stored."""
+        return {*self.asked(experiment), *self.episodes(experiment)} if len(self.episodes(experiment)) else set()
+
+    def _absent(self, experiment: str, wheres: Sequence[Where]) -> str:
+        """The first value that is asked for and that nothing of an experiment has, and what there is in its place."""
+        for column, value in [pair for where in wheres for pair in where.items()]:
+            if isinstance(value, dict | list):
+                continue
+            there = {each for rows in (self.asked(experiment), self.episodes(experiment)) if column in rows
+                     for each in rows[column].unique()}
+            if there and value not in there:
+                return f": {column} {value!r}; there are {', '.join(sorted(map(str, there)))}"
+        return ""
 
     def finding(self, what: str, found: Estimate, rows: pd.DataFrame, quantity: Quantity, **more: Any) -> Finding:
         """An estimate from episodes, as a finding of what a claim says of it."""

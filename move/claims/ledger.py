@@ -133,7 +133,8 @@ def _entry(claim: Claim, items: Sequence[Item]) -> Entry:
         figure=claim.figure, join=claim.join, verdict=found,
         numbers=[Number.model_validate(replace(item, what=str(item)), from_attributes=True) for item in numbers],
         notes=[str(item) for item in items if not isinstance(item, Finding)],
-        needed=[item.needed for item in numbers if item.needed] if found == UNDECIDED else [], changed=claim.changed,
+        needed=[item.needed for item in numbers if item.needed] if found == UNDECIDED else [],
+        changed=" ".join(claim.changed.split()),
         runs=sorted({run for item in numbers for run in item.runs}))
 
 

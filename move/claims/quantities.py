@@ -13,8 +13,10 @@ import pandas as pd
 
 from move import paper
 from move.claims import collected
-from move.claims.claims import Claim, Quantity, Where
+from move.claims.claims import FILE, Claim, Quantity, Where
 from move.claims.evidence import Evidence, chosen, over_seeds, runs_of
+from move.errors import BadInput
+from move.figures.page.parameters import with_runs
 from move.realworld.trials import compare
 from move.sim.tasks import TASKS, get_task
 from move.statistics.cells import by_budget, successes
@@ -36,9 +38,24 @@ from move.statistics.verdicts import NAN, Contradiction, Finding, Item, Missing,
 
 
 def findings(claim: Claim, evidence: Evidence) -> list[Item]:
-    """Everything that a claim is decided by."""
-    return [item for each in claim.findings
-            for item in QUANTITIES[each.quantity](evidence, each, each.experiment or claim.figure)]
+    """Everything that a claim is decided by.
+
+    Raises:
+        BadInput: it names a quantity or a column that is not there.
+    """
+    items: list[Item] = []
+    for each in claim.findings:
+        experiment = each.experiment or claim.figure
+        if each.quantity not in QUANTITIES:
+            raise BadInput(f"{FILE.name}: claim {claim.number}, quantity: {each.quantity!r} given; allowed are "
+                           f"{', '.join(QUANTITIES)}")
+        named = {*each.where, *each.one, *each.other, *each.each}
+        there = evidence.columns(experiment) if named and experiment in with_runs() else set()
+        if there and (unknown := sorted(named - there)):
+            raise BadInput(f"{FILE.name}: claim {claim.number}, column {unknown[0]!r} of {experiment} given; allowed "
+                           f"are {', '.join(sorted(there))}")
+        items += QUANTITIES[each.quantity](evidence, each, experiment)
+    return items
 
 
 def rates(evidence: Evidence, each: Quantity, experiment: str, failing: bool) -> list[Item]:

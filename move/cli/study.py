@@ -220,7 +220,8 @@ def figure(
             for name in [name for name in under_way if name not in begun]:
                 begun.append(name)
                 if not sys.stderr.isatty():
-                    typer.echo(f"notebook {name} ({len(begun)} of {len(names)}) ({profile}) ...", err=True)
+                    more = f", {asked} runs to compute" if asked else ""
+                    typer.echo(f"notebook {name} ({len(begun)} of {len(names)}) ({profile}){more} ...", err=True)
             report(done, len(names), text=", ".join(under_way) + (f": {of_runs} of {asked} runs" if asked else ""))
 
         for done in kernels.run_notebooks(names, chosen, changes, stored_only, on_progress):

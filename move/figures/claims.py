@@ -82,7 +82,8 @@ SHOWN = (
     "The claims that are numbers, those of a figure together: ours with its 95 % interval, coloured by the verdict "
     "that one rule makes from stored runs, the paper's value a diamond. Black strokes are where what is claimed begins "
     "or ends. Of a claim of several things small marks are the single ones, an arrow from its lower end one that is "
-    "\"more than\" what was tried, and the point is their mean, or the trend over them.")
+    "\"more than\" what was tried, and the point is their mean, or the trend over them. Claims "
+    "without a number are in the table alone.")
 ALT = "A forest plot with a line a claim: a point, its interval, and a diamond for the paper."
 WORDS = Words(
     title="What became of the paper's claims",
