@@ -57,9 +57,11 @@ AT_GRASPS: dict[str, dict[str, Any]] = {
 
 Listed = Annotated[int, Field(gt=0, le=COUNT, strict=True)]
 DRAWN = {"shadows, sky, reflections": {"drawing": "full"}}
-SETTINGS = (PACKAGE, *AT_GRASPS, LISTED, *EVERYWHERE, *FAILURES, *DRAWN, "0.33 times the steps", "3 times the steps",
-            "10 times the steps", TOGETHER)
-"""All there are, in the order in which they are shown."""
+LENGTH = " times the steps"
+SETTINGS = (PACKAGE, *AT_GRASPS, LISTED, *EVERYWHERE, *FAILURES, *DRAWN,
+            *(f"{times}{LENGTH}" for times in ("0.33", "3", "10")), TOGETHER)
+"""All there are, in the order in which they are shown. Lengths of training are no step to the paper: the authors train
+longer than any, and `TOGETHER` has the recipe's."""
 
 INTERACTION, UNEXPLAINED, PAPER = "more together than alone", "not explained", "the paper"
 RATE_COLUMNS = ["case", "method", "setting", "value", "low", "high", "seeds", "episodes", "trainings", "effect",
@@ -95,7 +97,7 @@ def runs(
         chosen = [(name, changes, range(count)) for name, changes in settings.items()]
         if case in long_tasks:
             for_long = {"length": longest, "episodes": length_episodes}
-            chosen.append((f"{longest:.2g} times the steps", for_long, range(1)))
+            chosen.append((f"{longest:.2g}{LENGTH}", for_long, range(1)))
         for name, changes, of_seeds in chosen:
             for seed in of_seeds:
                 for method in COMPARED:
@@ -111,7 +113,7 @@ def _settings(
     together = {"expert": "metaworld", "keep_failures": True, "crop_share": CROP, "drawing": "full",
                 **(ANYWHERE | {"object_steps": TRACED_BACK, "hand_spread": 0.0} if case == GRASPS else {})}
     fewer = {} if case == GRASPS else {"episodes": length_episodes}
-    longer = {f"{length:.2g} times the steps": {"length": length, **fewer} for length in lengths}
+    longer = {f"{length:.2g}{LENGTH}": {"length": length, **fewer} for length in lengths}
     return {PACKAGE: {}, **own, **EVERYWHERE, **more, **longer, TOGETHER: together}
 
 
@@ -199,9 +201,9 @@ def waterfall(table: pd.DataFrame) -> pd.DataFrame:
     """Steps from the rate here to the paper's, one row a case, method and step: where it starts, how far it goes.
 
     The effects of the settings alone, then what all of them together do more than their sum, then what is not
-    explained: the paper's rate minus that under all of them. Columns case, method, step, start, change, low, high (of
-    the change; NaN where no interval is known). A case without the package's protocol or without all of them together
-    has what there is of it.
+    explained: the paper's rate minus that under all of them. After them lengths of training, each from the rate here.
+    Columns case, method, step, start, change, low, high (of the change; NaN where no interval is known). A case without
+    the package's protocol or without all of them together has what there is of it.
 
     Args:
         table: as `gap_table` gives it, with the paper's rate in `paper`.
@@ -211,8 +213,10 @@ def waterfall(table: pd.DataFrame) -> pd.DataFrame:
         by_setting, theirs = group.set_index("setting"), group.paper.iloc[0]
         if PACKAGE not in by_setting.index:
             continue
-        level = by_setting.value[PACKAGE]
-        for name, row in by_setting.drop(index=[PACKAGE, TOGETHER], errors="ignore").iterrows():
+        level = first = by_setting.value[PACKAGE]
+        alone = by_setting.drop(index=[PACKAGE, TOGETHER], errors="ignore")
+        lengths = alone.index.str.endswith(LENGTH)
+        for name, row in alone[~lengths].iterrows():
             rows.append({"case": case, "method": method, "step": name, "start": level, "change": row.effect,
                          "low": row.effect_low, "high": row.effect_high})
             level += row.effect
@@ -223,6 +227,8 @@ def waterfall(table: pd.DataFrame) -> pd.DataFrame:
             rest = theirs - together.value
             rows.append({"case": case, "method": method, "step": UNEXPLAINED, "start": together.value, "change": rest,
                          "low": theirs - together.high, "high": theirs - together.low})
+        rows += [{"case": case, "method": method, "step": name, "start": first, "change": row.effect,
+                  "low": row.effect_low, "high": row.effect_high} for name, row in alone[lengths].iterrows()]
     return pd.DataFrame(rows, columns=["case", "method", "step", "start", "change", "low", "high"])
 
 
@@ -255,8 +261,9 @@ def draw(tables: dict[str, pd.DataFrame], data: Data) -> Figure:
                 empty_panel("missing", ax)
             continue
         own = steps[(steps.case == case) & (steps.method == "static")].set_index("step")
-        lines = [PACKAGE, *(name for name in own.index if name != UNEXPLAINED),
-                 *([TOGETHER, UNEXPLAINED] if UNEXPLAINED in own.index else []), PAPER]
+        lengths = [name for name in own.index if name.endswith(LENGTH)]
+        lines = [PACKAGE, *(name for name in own.index if name not in (UNEXPLAINED, *lengths)),
+                 *([TOGETHER, UNEXPLAINED] if UNEXPLAINED in own.index else []), PAPER, *lengths]
         _waterfall(own, static, lines, row[0])
         _leads(leads[leads.case == case].set_index("setting"), lines, row[1])
     names = [case if case not in TASKS else TASKS[case].title for case in cases]
@@ -291,7 +298,7 @@ def _leads(leads: pd.DataFrame, lines: Sequence[str], ax: Axes) -> None:
             ax.errorbar(row.difference, place, xerr=errors(row, "difference"), fmt=marker, color=colour, ms=4,
                         capsize=2, lw=0.9)
     if len(leads):
-        ax.plot(leads.paper.iloc[0], len(lines) - 1, "D", color="black", mfc="white", ms=4.5)
+        ax.plot(leads.paper.iloc[0], lines.index(PAPER), "D", color="black", mfc="white", ms=4.5)
     plots.points_axis(ax, "points")
     ax.tick_params(labelleft=False)
 
@@ -300,7 +307,8 @@ def printed(tables: dict[str, pd.DataFrame], data: Data) -> dict[str, pd.DataFra
     """Case by case the largest single step of static towards the paper."""
     rows, steps = [], tables["steps"]
     for case, group in steps[steps.method == "static"].groupby("case", sort=False):
-        known = group[~group.step.isin([INTERACTION, UNEXPLAINED])].dropna(subset="change")
+        steps_alone = ~(group.step.isin([INTERACTION, UNEXPLAINED]) | group.step.str.endswith(LENGTH))
+        known = group[steps_alone].dropna(subset="change")
         if len(known):
             row = known.loc[known.change.idxmin()]
             rows.append({"case": case, "Largest single step of static": row.step,
@@ -324,10 +332,12 @@ def answer(tables: dict[str, pd.DataFrame], data: Data) -> str:
 WORDS = Words(
     title="Why rates here are not the paper's, setting by setting",
     shown=(
-        "Left: static's success from the package's protocol to the paper's value. Grey bars are what one setting of "
-        "the authors' does when it alone is switched; the light one is what all of them together do more than their "
-        "sum; what is left is not explained. Right: MOVE minus static under each setting; the diamond is the paper's. "
-        "Error bars are 95 % intervals that include how trainings and configurations differ."),
+        "Left: static's success from the package's protocol (figure 1's is its earlier one: hand within 3 cm) to the "
+        "paper's value. Grey bars are what one setting of the authors' does when it alone is switched; the light one "
+        "is what all of them together do more than their sum; what is left is not explained. Below the paper, bars "
+        "from the rate here: lengths of training, which are no step to the authors', who train longer. Right: MOVE "
+        "minus static under each setting; the diamond is the paper's. Error bars are 95 % intervals that include how "
+        "trainings and configurations differ."),
     alt="One row a case: a waterfall of bars from a high rate to a low one, and points with intervals.",
     tables={
         "": f"Success under each setting, and what switching it alone does, in points. {RATES}",
