@@ -53,7 +53,8 @@ class Entry(Strict):
     place: str = Field(description="where they are in the paper")
     figure: str = Field(description="the notebook that shows the numbers")
     join: Join = Field(description="how the numbers decide together, see move/statistics/verdicts.py")
-    verdict: str = Field(description="made by one rule, see there", json_schema_extra={"enum": list(VERDICTS)})
+    verdict: str = Field(description="made by the rule of move/statistics/verdicts.py",
+                         json_schema_extra={"enum": list(VERDICTS)})
     numbers: list[Number]
     notes: list[str] = Field(description="what there is in place of a number: missing runs, or why nothing decides it")
     needed: list[str] = Field(description="what would decide an undecided claim")
