@@ -18,7 +18,7 @@ from move.statistics.estimates import (
 from move.statistics.over_tasks import over_tasks
 from move.statistics.simulation import coverage, like_noise, outcomes
 from move.statistics.spread import Spread
-from move.statistics.training_noise import UNKNOWN, TrainingNoise, training_noise_of
+from move.statistics.training_noise import UNKNOWN, TrainingNoise, moderated, training_noise_of
 
 UNEQUAL = np.array([0.02, 0.04, 0.06, 0.08, 0.10])  # by how much trainings differ, one cell so and the next so
 LAWS, STUDIES, TASKS = 100, 20, 10  # what like cells tell is drawn anew so often, for so many studies each
@@ -104,8 +104,8 @@ def test_one_seed_that_is_noisier_than_like_cells_is_still_covered_more_often_th
 def test_three_seeds_that_differ_or_agree_by_chance_borrow_from_like_cells():
     rng, law = np.random.default_rng(1), TrainingNoise(0.0006, 5.0, 60)
     cells = outcomes(rng, 0.5, np.full(400, 0.03), 3, rng.standard_normal((400, 100))).astype(float)
-    alone, moderated = (np.ptp(rate_interval(cells, noise), axis=0) for noise in (UNKNOWN, law))
-    least, most = (np.quantile([moderated, alone], level, axis=1) for level in (0.05, 0.95))
+    alone, with_law = (np.ptp(rate_interval(cells, noise), axis=0) for noise in (UNKNOWN, law))
+    least, most = (np.quantile([with_law, alone], level, axis=1) for level in (0.05, 0.95))
     assert most[0] < 0.6 * most[1] and most[0] / least[0] < 1.5 < most[1] / least[1]
 
 
@@ -258,3 +258,9 @@ def test_the_test_over_tasks_flips_signs_and_is_exact():
 def test_holm_multiplies_each_p_by_how_many_are_not_smaller_and_keeps_their_order():
     assert holm([0.01, 0.04, 0.03]) == pytest.approx([0.03, 0.06, 0.06])  # by 3; by 1, but no less than the last; by 2
     assert holm([0.02, 0.001]) == pytest.approx([0.02, 0.002])
+
+
+def test_a_cell_whose_seeds_agree_by_chance_keeps_what_neither_training_nor_configuration_explains():
+    cell = np.array([[1.0, 0.0] * 20, [0.0, 1.0] * 20])  # each seed succeeds in half, and elsewhere than the other
+    variance, rest, _ = moderated(cell, TrainingNoise(0.0, 4.0))
+    assert variance == rest > 0
