@@ -179,20 +179,20 @@ def _known(noise: TrainingNoise, *cells: np.ndarray) -> str:
     return "unknown" if single else "own"
 
 
-def of_configurations(cells: Sequence[np.ndarray], weights: Sequence[float]) -> Spread:
-    """What configurations alone add to the weighted sum of the rates of `cells`, and no further training narrows."""
-    return _configurations(cells, weights, [residual(cell) for cell in cells])[0]
+def of_configurations(
+    cells: Sequence[np.ndarray], weights: Sequence[float], rests: Sequence[np.ndarray] | None = None
+) -> Spread:
+    """What configurations alone add to the weighted sum of the rates of `cells`, and no further training narrows.
 
-
-def _configurations(
-    cells: Sequence[np.ndarray], weights: Sequence[float], rests: Sequence[np.ndarray]
-) -> tuple[Spread, np.ndarray]:
-    """The same, and the variance from configuration to configuration, in which there is also a part of `rests`."""
+    Args:
+        rests: of each cell, where they are known, what `residual` gives.
+    """
+    rests = [residual(cell) for cell in cells] if rests is None else rests
     by_configuration = sum(weight * cell.mean(axis=-2) for weight, cell in zip(weights, cells, strict=True))
     count = by_configuration.shape[-1]
     over = by_configuration.var(axis=-1, ddof=1) / count if count > 1 else np.full(by_configuration.shape[:-1], 0.25)
     counted = sum(weight**2 * rest / cell.shape[-2] for weight, cell, rest in zip(weights, cells, rests, strict=True))
-    return Spread.of(np.maximum(over - counted, 0), max(count - 1, 1)), over
+    return Spread.of(np.maximum(over - counted, 0), max(count - 1, 1))
 
 
 def _spread(cells: Sequence[np.ndarray], weights: Sequence[float], noise: TrainingNoise) -> Spread:
@@ -202,8 +202,7 @@ def _spread(cells: Sequence[np.ndarray], weights: Sequence[float], noise: Traini
         variance, rest, degrees = moderated(cell, noise)
         parts.append(Spread.of(variance / cell.shape[-2], degrees).times(weight))
         rests.append(rest)
-    configurations, over = _configurations(cells, weights, rests)
-    return Spread.total([configurations, *parts]).at_least(over)
+    return Spread.total([of_configurations(cells, weights, rests), *parts])
 
 
 def _rate(cells: np.ndarray, noise: TrainingNoise) -> tuple[np.ndarray, Spread]:

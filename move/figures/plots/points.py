@@ -63,8 +63,10 @@ def forest(table: pd.DataFrame, ax: Axes, above: bool = False) -> None:
     """
     listed = table[["number", "claim", "figure"]].drop_duplicates().reset_index(drop=True)
     place_of = {number: place for place, number in enumerate(listed.number)}
-    for row in table.itertuples():
-        place, colour = place_of[row.number], VERDICT_COLOURS.get(row.verdict, GREY)
+    beside = table.groupby(["number", "whole"]).cumcount()  # several intervals of a claim stand one below the other
+    of_claim = table.groupby(["number", "whole"]).number.transform("size")
+    for row, shift in zip(table.itertuples(), 0.24 * (beside - (of_claim - 1) / 2), strict=True):
+        place, colour = place_of[row.number] + shift * row.whole, VERDICT_COLOURS.get(row.verdict, GREY)
         if not row.whole:
             endless = np.isnan(row.value)
             ax.plot(row.low if endless else row.value, place, ">" if endless else "|", ms=4 if endless else 5, mew=0.8,
