@@ -154,6 +154,8 @@ def test_no_seed_narrows_what_configurations_make():
     assert of_configurations([places], [1.0]).half_width == pytest.approx(success_rate(places).high - 6 / 9, rel=0.3)
     seeds = np.tile(np.arange(10) < 6, (9, 1)).T.astype(float)  # each seed solves all places or none
     assert of_configurations([seeds], [1.0]).half_width == 0
+    chance = (np.random.default_rng(0).random((10, 400)) < 0.5).astype(float)  # no place is harder than another
+    assert of_configurations([chance], [1.0]).half_width < 0.5 * 1.96 * math.sqrt(0.25 / 10 / 400)
 
 
 def test_the_papers_numbers_have_the_noise_of_their_episodes():
