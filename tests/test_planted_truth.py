@@ -1994,7 +1994,7 @@ def test_the_size_of_a_claim_is_told_on_the_side_of_the_papers_number(world, tur
 @pytest.mark.parametrize("place", ["world", "turned"])
 def test_the_figure_of_the_claims_shows_their_numbers_in_the_colours_of_their_verdicts(place, request):
     there = request.getfixturevalue(place)
-    entries, seen = ledger(there), set()
+    entries, seen, edges = ledger(there), set(), {}
     for ax in there.figures["claims"].axes:
         for height, value, low, high, colour in drawn(ax, across=True):
             number = int(tick(ax, height, across=True).split()[-1])
@@ -2025,7 +2025,9 @@ def test_the_figure_of_the_claims_shows_their_numbers_in_the_colours_of_their_ve
             for (edge, below), (_, above) in (stroke for stroke in strokes.get_segments() if len(stroke) == 2):
                 if below != above:
                     number = int(tick(ax, (below + above) / 2, across=True).split()[-1])
-                    assert edge in {each[name] for each in entries[number]["numbers"] for name in ("above", "below")}
+                    edges.setdefault(number, set()).add(round(float(edge), 6))
+    assert edges == {number: {each[name] for each in entries[number]["numbers"] for name in ("above", "below")} - {None}
+                     for number in seen}
     assert seen == {number for number, entry in entries.items()
                     if any(each["low"] is not None for each in entry["numbers"])}
 
