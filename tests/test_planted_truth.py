@@ -2001,7 +2001,7 @@ def test_the_figure_of_the_claims_shows_their_numbers_in_the_colours_of_their_ve
             entry = entries[number]
             found = [(each["value"], each["low"], each["high"]) for each in entry["numbers"]
                      if each["value"] is not None]
-            mean, *ends = np.mean(np.array(found, float), axis=0)
+            mean = float(np.mean([each[0] for each in found]))
             less, more = (float(np.hypot.reduce([each[0] - each[end] for each in found])) / len(found) if None not in
                           np.ravel(found) else np.nan for end in (1, 2))
             marks = [*found, (mean, mean - less, mean + more)] if len(found) > 2 and entry["join"] == "every" else found

@@ -169,11 +169,13 @@ def test_costs_are_means_of_fixed_tasks_with_the_errors_of_each():
     assert (low, high) == pytest.approx((100 - 1.96 * 13 / 3, 100 + 1.96 * 13 / 3))
 
 
-def test_no_interval_of_a_share_leaves_1():
+@pytest.mark.parametrize("shares, expected", [((0.99, 1.0), [0.995 - 1.96 * 0.02 / 2**0.5, 1.0]),
+                                              ((0.0, 0.01), [0.0, 0.005 + 1.96 * 0.02 / 2**0.5])])
+def test_no_interval_of_a_share_leaves_0_and_1(shares, expected):
     table = pd.DataFrame([{"task": task, "method": "move", "expert": "phase", "rate": share, "rate_error": 0.02}
-                          for task, share in enumerate((0.99, 1.0))])
+                          for task, share in enumerate(shares)])
     ends = draw(lambda rows, ax: plots.costs(rows, "rate", {}, ax, share=True), table).containers[1][2][0]
-    assert ends.get_segments()[0][:, 1].tolist() == pytest.approx([0.995 - 1.96 * 0.02 / 2**0.5, 1.0])
+    assert ends.get_segments()[0][:, 1].tolist() == pytest.approx(expected)
 
 
 def grid(seeds: int = 5) -> pd.DataFrame:

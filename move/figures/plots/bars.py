@@ -85,8 +85,9 @@ def costs(table: pd.DataFrame, value: str, paper: dict[str, float], ax: Axes, sh
             values, errors_of = rows[value], rows[f"{value}_error"].dropna()
             half = NORMAL * float(np.hypot.reduce(errors_of)) / max(len(errors_of), 1)
             ax.bar(place + shift, values.mean(), width=0.36, color=COLOURS[method], alpha=0.85 if shift < 0 else 0.45)
-            above = min(half, 1 - values.mean()) if share else half
-            ax.errorbar(place + shift, values.mean(), [[half], [above]], color="black", capsize=2, lw=0.9)
+            low, high = np.clip(values.mean() + [-half, half], *((0, 1) if share else (-np.inf, np.inf)))
+            ax.errorbar(place + shift, values.mean(), [[values.mean() - low], [high - values.mean()]], color="black",
+                        capsize=2, lw=0.9)
             ax.plot(np.full(len(values), place + shift + 0.1), values, ".", color="#444444", ms=3, clip_on=False)
         if method in paper:
             ax.plot([place - 0.42, place + 0.42], [paper[method]] * 2, **PRINTED)
